@@ -20,7 +20,7 @@ use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
 use crate::proposals::{CarriedProposal, FoundMask, Proposal, UsedFeatures};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
-use crate::store::{OrphanEdits, Outside};
+use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::PathBuf;
 
 /// What changes state; sent by the window, the jobs and the tests.
@@ -357,8 +357,13 @@ pub enum Action {
     SaveFailed(String),
     /// The saver lost track of the document and has to be given all of it.
     WholeWanted,
-    /// Another program changed the document's file.
-    ChangedOutside(PathBuf),
+    /// Another program changed the document.
+    ChangedOutside {
+        /// Its file.
+        path: PathBuf,
+        /// What this window holds, as it was kept beside, if it holds anything of its own.
+        own: Option<Orphan>,
+    },
     /// The question what to do with another program's version is asked again.
     AskOutside,
     /// What becomes of another program's version.

@@ -125,7 +125,7 @@ impl Action {
             | Self::SaveFailed(_)
             | Self::AlreadyOpen(_)
             | Self::WholeWanted
-            | Self::ChangedOutside(_)
+            | Self::ChangedOutside { .. }
             | Self::AskOutside
             | Self::ResolveOutside(_)
             | Self::Outside(_)

@@ -82,6 +82,7 @@ pub use update::MAX_SCALE;
 pub use versioned::Versioned;
 pub use video::VideoAction;
 
+use crate::document::Frames;
 use current::FreshSolve;
 use operation::{Report, RequestId};
 use operations::Operations;
@@ -106,6 +107,8 @@ pub struct App {
     review: Review,
     /// While suggestions are about to be accepted together.
     accept_sheet: Option<Arc<AcceptSheet>>,
+    /// The frames as they were when it was opened.
+    asked_to_accept: Option<Frames>,
     quality: Quality,
     /// Tells the time of what people do; none: it is not written down.
     clock: Option<fn() -> jiff::Timestamp>,

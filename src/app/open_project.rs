@@ -4,7 +4,9 @@ use super::Versioned;
 use super::derived::{Derived, FrameCounts};
 use super::prepared::Prepared;
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
-use crate::document::{Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step};
+use crate::document::{
+    Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step, VideoShots,
+};
 use crate::field::{FieldError, FieldModel, Template};
 use crate::proposals::{CarriedProposal, Layered, Offer, Proposal};
 use crate::solve::FrameSolution;
@@ -228,6 +230,23 @@ impl OpenProject {
         if self.history.abort(&mut edited) {
             *self.document = self.journalled.shown_of(&edited);
         }
+    }
+
+    /// Marks shots that were looked for when `num_below` steps could be undone. True where a person did or undid something since:
+    /// then the step lies beneath that, and the history as a whole has changed.
+    pub(super) fn mark_shots(&mut self, shots: VideoShots, step: Step, num_below: usize) -> bool {
+        let before = self.journalled.edited_of(&self.document);
+        let goes_beneath = num_below < self.history.num_done() || self.history.next_redo().is_some();
+        if !goes_beneath {
+            self.history.begin(&before, step);
+            shots.write(&mut self.document);
+            self.commit();
+            return false;
+        }
+        shots.write(&mut self.document);
+        let after = self.journalled.edited_of(&self.document);
+        self.history.insert_shots(num_below, step, &before, &after);
+        true
     }
 
     /// Takes the last step back, or does it again, and says which it was.

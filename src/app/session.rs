@@ -80,10 +80,12 @@ pub struct Session {
     pub trainer: TrainerState,
     /// A document is being read.
     pub opening: Option<String>,
-    /// The window may close once everything is on disk.
-    pub closing: bool,
+    /// What is done once everything is on disk and nobody else has changed the document.
+    pub leaving: Option<Leaving>,
     /// Another program changed this file of the document, and the user has not decided what to do about it.
     pub changed_outside: Option<PathBuf>,
+    /// Where what the window holds is kept until then.
+    pub own_version: Option<PathBuf>,
     /// The revision that is being copied elsewhere, and the one that was.
     pub copies: Copies,
     /// Edits of another version of the document that were set aside.

@@ -177,6 +177,8 @@ pub enum TransferWork {
         made: Option<Arc<Exported>>,
         /// Where.
         to: PathBuf,
+        /// A file that is there is replaced; a folder never is.
+        replace: bool,
     },
     /// A dataset is planned.
     PlanDataset(Box<DatasetOptions>),
@@ -231,14 +233,13 @@ impl TransferOrder {
                 let joined = imported.map(|imported| Arc::new(join(at, &imported)));
                 looked(Look::Import(joined.map_err(|error| said(&error))))
             }
-            TransferWork::WriteExport { format, options, made, to } => {
+            TransferWork::WriteExport { format, options, made, to, replace } => {
                 let write = || {
                     let exported = match made {
                         Some(made) => Arc::clone(made),
                         None => Arc::new(export(at, *format, options)?),
                     };
-                    // The file dialog has asked before a file is replaced; a folder never is.
-                    exported.write(to, !exported.is_folder())?;
+                    exported.write(to, *replace && !exported.is_folder())?;
                     Ok(format!("{} frames written as {format}: {}", exported.frames, to.display()))
                 };
                 TransferAction::Written { ticket, result: write().map_err(|error| said(&error)) }

@@ -35,6 +35,8 @@ pub struct RunningSearch {
     pub video: String,
     /// How far it has come.
     pub progress: ShotProgress,
+    /// How many steps could be undone when it began: what it finds goes beneath those that come later.
+    pub(super) num_below: usize,
     /// What it found, while it waits for the end of what the person is doing.
     pub(super) found: Option<FoundShots>,
 }

@@ -143,6 +143,17 @@ impl BulkSolved {
         &self.work.change
     }
 
+    /// The change, to be worked out again in the document as it is now.
+    #[must_use]
+    pub fn change_for(&self, now: &Document) -> BulkChange {
+        match &self.work.change {
+            BulkChange::Numbers(numbers) => {
+                BulkChange::Numbers(Box::new(rebase_numbers(numbers, &self.work.document, now)))
+            }
+            change => change.clone(),
+        }
+    }
+
     /// The change in the document as it is now: frames that were edited meanwhile keep their edits, and are solved again if
     /// the change means it. None where cameras, field or the order of the frames have changed meanwhile: it has to be worked out
     /// again then.
@@ -165,6 +176,33 @@ impl BulkSolved {
         let withdrawn = self.work.change.make_in_frames(&mut document, now, &self.work.folder, &again, &go_on)?;
         Ok(Some(Joined { document, withdrawn: self.withdrawn + withdrawn }))
     }
+}
+
+/// The numbers that a change sets, on what has become of the others since `before`: of a camera that the change leaves alone all of
+/// it, of the others the masks that were drawn meanwhile.
+fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Document {
+    let mut rebased = now.clone();
+    for camera in &mut rebased.cameras {
+        let (Some(set), Some(known)) = (numbers.camera(&camera.id), before.camera(&camera.id)) else { continue };
+        if set == known {
+            continue;
+        }
+        let mut with_numbers = set.clone();
+        if set.masks == known.masks {
+            with_numbers.masks.clone_from(&camera.masks);
+        }
+        if set.ranged_masks == known.ranged_masks {
+            with_numbers.ranged_masks.clone_from(&camera.ranged_masks);
+        }
+        *camera = with_numbers.into();
+    }
+    if numbers.field != before.field {
+        rebased.field.clone_from(&numbers.field);
+    }
+    if numbers.click_noise != before.click_noise {
+        rebased.click_noise.clone_from(&numbers.click_noise);
+    }
+    rebased
 }
 
 impl BulkChange {
@@ -237,5 +275,35 @@ impl BulkChange {
             withdrawn += usize::from(document.follow_base(index, before));
         }
         Ok(withdrawn)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Camera, FieldSpec};
+    use crate::geometry::{ImageSize, PixelBox};
+
+    #[test]
+    fn what_was_changed_beside_the_numbers_meanwhile_stays() {
+        let (size, mut before) = (ImageSize::new(64, 48), Document::new(FieldSpec::new("soccer")));
+        before.cameras.extend(["main", "other"].map(|name| Camera::new(name.into(), size).into()));
+        let mut numbers = before.clone();
+        numbers.cameras[0].click_noise_px = Some(2.0);
+        let change = BulkChange::Numbers(Box::new(numbers));
+        let solve =
+            |document: &Document, change| BulkSolve { document: document.clone(), folder: PathBuf::new(), change };
+        let solved = solve(&before, change).run(&|_| ControlFlow::Continue(())).unwrap();
+        let mut now = before.clone();
+        let mask = PixelBox { x: 1.0, y: 2.0, width: 30.0, height: 8.0 };
+        now.cameras.iter_mut().for_each(|camera| camera.masks.push(mask));
+        now.field.template = "futsal".to_owned();
+        now.cameras.push(Camera::new("new".into(), size).into());
+        assert_eq!(solved.join(&now).unwrap(), None, "it has to be worked out again");
+        let again = solve(&now, solved.change_for(&now)).run(&|_| ControlFlow::Continue(())).unwrap();
+        let document = again.join(&now).unwrap().unwrap().document;
+        assert_eq!((document.cameras[0].click_noise_px, document.cameras.len()), (Some(2.0), 3));
+        assert!(document.cameras[..2].iter().all(|camera| camera.masks == [mask]));
+        assert_eq!(document.field.template, "futsal");
     }
 }

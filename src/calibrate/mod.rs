@@ -1,5 +1,6 @@
 //! From a document to a solved document: frames, bases, the field's size, names, which camera, click noise, and what is wrong with it.
 
+mod after_merge;
 mod base_change;
 mod base_estimation;
 mod base_on_paint;
@@ -27,6 +28,7 @@ mod still_runs;
 mod unclicked;
 mod which_camera;
 
+pub(crate) use after_merge::{SolvedAfterMerge, solve_after_merge};
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
@@ -38,7 +40,7 @@ pub use bulk::{
 };
 pub(crate) use calibration::solved_neighbours;
 pub use calibration::{CalibrationError, calibrate, observations};
-pub use check::{Fault, Problem, check_cameras, check_pictures, check_still_runs, check_values};
+pub use check::{Fault, Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values};
 pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
     TrackedClip, TrackedFrame, WatchClip, clips, record_tracked, track_clip,

@@ -62,6 +62,7 @@ pub struct CalibrateArgs {
 /// The folder exists, the field is not valid, the frames cannot be read, or no camera is found with certainty.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
+    crate::store::refuse_open(&args.output)?;
     ensure!(
         args.output.is_dir() || !args.output.exists(),
         "{} is a file; give a folder for the project",

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::print;
-use crate::calibrate::{Problem, check_cameras, check_pictures, check_still_runs, check_values};
+use crate::calibrate::{Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values};
 use crate::document::Document;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -25,6 +25,7 @@ pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let bar = messages.progress(document.frames.len(), "Checking pictures");
     let mut problems = check_values(document.at(location.folder()));
     problems.extend(check_cameras(document.at(location.folder())));
+    problems.extend(check_solutions(document.at(location.folder())));
     problems.extend(check_pictures(document.at(location.folder()), &|| bar.inc(1)));
     problems.extend(check_still_runs(document.at(location.folder())));
     problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));

@@ -3,7 +3,7 @@
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
 use crate::document::Document;
-use crate::store::Location;
+use crate::store::{Location, refuse_open};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
 
@@ -62,12 +62,15 @@ pub fn refuse_unwritable(document: &Document, folder: &Path) -> anyhow::Result<(
 }
 
 impl DocumentOutput {
-    /// Refuses a path that exists; to be called before the work begins.
+    /// Refuses a path that exists, or whose document is open elsewhere; to be called before the work begins.
     ///
     /// # Errors
-    /// Something is there and `--force` was not given.
+    /// Something is there and `--force` was not given, or another program holds it.
     pub fn refuse_existing(&self) -> anyhow::Result<()> {
-        self.output.as_deref().map_or(Ok(()), |path| refuse_existing(path, self.force))
+        let Some(path) = self.output.as_deref() else { return Ok(()) };
+        refuse_existing(path, self.force)?;
+        // The result of hours would go with the refusal at the end.
+        Ok(refuse_open(path)?)
     }
 
     /// Writes a document whose relative paths start from `folder`; where it lands they point at the same files.

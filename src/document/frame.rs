@@ -273,7 +273,7 @@ impl Frame {
     }
 
     /// Whether another frame has the same contents, regardless of the revisions.
-    pub(super) fn has_content_of(&self, other: &Self) -> bool {
+    pub(crate) fn has_content_of(&self, other: &Self) -> bool {
         self == other || *self == Self { revision: self.revision, ..other.clone() }
     }
 

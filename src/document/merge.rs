@@ -1,6 +1,9 @@
 //! Joins what two people made of one document: each frame and camera that only one of them changed is taken from that one.
+//!
+//! Only what people did is joined. What the program suggests is taken out first and laid on the result, in frames that nobody has
+//! touched: a proposal never competes with a label.
 
-use super::{Change, Document, Edit, OldChange};
+use super::{Camera, Document, Frame, FrameId, Shared, SplitDocument, Suggestion};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,15 +20,26 @@ pub struct Merged {
 /// what it follows with us.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
+    let [base, our_edits, their_edits] =
+        [base, ours, theirs].map(|document| SplitDocument::of(document.clone()).into_edited());
+    let mut merged = merge_edits(&base, &our_edits, &their_edits);
+    show_suggestions(&mut merged.document, [ours, theirs]);
+    merged
+}
+
+/// Joins documents in which nothing is suggested.
+fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let mut conflicts = Vec::new();
     let frames = |document: &Document| -> Keyed<_, _> {
         document.frames.iter().map(|frame| (frame.id.clone(), frame.clone())).collect()
     };
-    let frames = join(&frames(base), &frames(ours), &frames(theirs), |frame| conflicts.push(frame.name()));
+    let is_same_frame = |one: &Shared<Frame>, other: &Shared<Frame>| one.has_content_of(other);
+    let frames =
+        join([&frames(base), &frames(ours), &frames(theirs)], is_same_frame, |frame| conflicts.push(frame.name()));
     let cameras = |document: &Document| -> Keyed<_, _> {
         document.cameras.iter().map(|camera| (camera.id.clone(), camera.clone())).collect()
     };
-    let cameras = join(&cameras(base), &cameras(ours), &cameras(theirs), |camera| {
+    let cameras = join([&cameras(base), &cameras(ours), &cameras(theirs)], PartialEq::eq, |camera| {
         conflicts.push(format!("camera {}", camera.id));
     });
     let mut whole = |what: &str, choice: Choice| -> bool {
@@ -34,49 +48,57 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
         }
         matches!(choice, Choice::Theirs)
     };
-    let field = whole("the field", choose(Some(&base.field), Some(&ours.field), Some(&theirs.field)));
-    let noise = choose(Some(&base.click_noise), Some(&ours.click_noise), Some(&theirs.click_noise));
-    let noise = whole("the click noise", noise);
-    let shots = whole("the shots", choose(Some(&base.shots), Some(&ours.shots), Some(&theirs.shots)));
+    let field = whole("the field", choose([&base.field, &ours.field, &theirs.field].map(Some), PartialEq::eq));
+    let noise = [&base.click_noise, &ours.click_noise, &theirs.click_noise].map(Some);
+    let noise = whole("the click noise", choose(noise, PartialEq::eq));
+    let shots = whole("the shots", choose([&base.shots, &ours.shots, &theirs.shots].map(Some), PartialEq::eq));
     let of = |is_theirs: bool| if is_theirs { theirs } else { ours };
-    let document = Document {
+    let mut document = Document {
         generator: theirs.generator.clone(),
-        conventions: join_maps(&base.conventions, &ours.conventions, &theirs.conventions, &mut conflicts),
+        conventions: join_maps([&base.conventions, &ours.conventions, &theirs.conventions], &mut conflicts),
         field: of(field).field.clone(),
         cameras,
         frames: frames.into_iter().collect(),
         click_noise: of(noise).click_noise.clone(),
         shots: of(shots).shots.clone(),
-        extra: join_maps(&base.extra, &ours.extra, &theirs.extra, &mut conflicts).into(),
+        extra: join_maps([&base.extra, &ours.extra, &theirs.extra], &mut conflicts).into(),
     };
+    raise_revisions(&mut document, [ours, theirs]);
     Merged { document, conflicts }
 }
 
-/// Puts the frames that edits hold into a document that the edits do not start from: a frame that is there is replaced,
-/// another is added. What the edits removed cannot be known and stays.
-#[must_use]
-pub fn graft(edits: &[Edit], onto: &Document) -> Document {
-    let held = edits.iter().flat_map(|edit| &edit.changes).flat_map(|change| match change {
-        Change::Frame { frame, .. } | Change::Old(OldChange::Frame { frame, .. }) => std::slice::from_ref(frame),
-        Change::Insert { frames, .. } | Change::Old(OldChange::Frames { insert: frames, .. }) => frames,
-        Change::Remove(_) | Change::Order(_) | Change::Cameras(_) | Change::Field(_) | Change::Rest { .. } => &[],
-    });
-    let mut document = onto.clone();
-    for frame in held {
-        let same_picture = || document.frames.iter().position(|known| known.name() == frame.name());
-        let place = document.frames.position_of(&frame.id).or_else(same_picture);
-        match place.and_then(|place| document.frames.get_mut(place)) {
-            Some(known) => {
-                let (id, revision) = (known.id.clone(), known.revision);
-                *known = frame.clone();
-                known.id = id;
-                known.revision = revision;
-            }
-            None => document.frames.push(frame.clone()),
+/// Gives each frame the highest revision that it has on either side: no later reader takes it for an earlier version.
+fn raise_revisions(document: &mut Document, sides: [&Document; 2]) {
+    for position in 0..document.frames.len() {
+        let frame = &document.frames[position];
+        let known = sides.into_iter().filter_map(|side| side.frames.by_id(&frame.id));
+        let highest = known.map(|frame| frame.revision).max().unwrap_or_default();
+        if frame.revision < highest {
+            document.frames[position].revision = highest;
         }
     }
-    document.count_edits_since(onto);
-    document
+}
+
+/// Shows what either side suggests for frames that nobody has touched, where the camera still has the base that it was
+/// suggested for. The first side goes first.
+pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
+    for position in 0..document.frames.len() {
+        let frame = &document.frames[position];
+        if !frame.is_untouched() {
+            continue;
+        }
+        let base = document.camera_of(frame).and_then(Camera::base);
+        let suggestions = sides.into_iter().filter_map(|side| shown_suggestion(side, &frame.id));
+        if let Some(suggestion) = suggestions.into_iter().find(|suggestion| suggestion.base == base) {
+            suggestion.show_in(&mut document.frames[position]);
+        }
+    }
+}
+
+/// What a document shows as suggested for a frame.
+fn shown_suggestion(document: &Document, id: &FrameId) -> Option<Suggestion> {
+    let frame = document.frames.by_id(id)?;
+    Suggestion::in_frame(frame, document.camera_of(frame).and_then(Camera::base).as_ref())
 }
 
 /// Values in their order, each with what tells it apart.
@@ -92,10 +114,11 @@ enum Choice {
     Conflict,
 }
 
-fn choose<V: PartialEq>(base: Option<&V>, ours: Option<&V>, theirs: Option<&V>) -> Choice {
-    if ours == theirs || base == ours {
+/// Whose value is taken, of the base's, ours and theirs.
+fn choose<V>([base, ours, theirs]: [Option<&V>; 3], is_same: fn(&V, &V) -> bool) -> Choice {
+    if are_same(ours, theirs, is_same) || are_same(base, ours, is_same) {
         Choice::Theirs
-    } else if base == theirs {
+    } else if are_same(base, theirs, is_same) {
         Choice::Ours
     } else if ours.is_none() {
         // What they made of something that we removed stays.
@@ -105,17 +128,24 @@ fn choose<V: PartialEq>(base: Option<&V>, ours: Option<&V>, theirs: Option<&V>) 
     }
 }
 
-fn join<K: Ord + Clone, V: Clone + PartialEq>(
-    base: &Keyed<K, V>,
-    ours: &Keyed<K, V>,
-    theirs: &Keyed<K, V>,
+fn are_same<V>(one: Option<&V>, other: Option<&V>, is_same: fn(&V, &V) -> bool) -> bool {
+    match (one, other) {
+        (Some(one), Some(other)) => is_same(one, other),
+        (one, other) => one.is_none() && other.is_none(),
+    }
+}
+
+/// Joins the values of the base, ours and theirs.
+fn join<K: Ord + Clone, V: Clone>(
+    [base, ours, theirs]: [&Keyed<K, V>; 3],
+    is_same: fn(&V, &V) -> bool,
     mut conflict: impl FnMut(&V),
 ) -> Vec<V> {
     let table = |values: &Keyed<K, V>| values.iter().cloned().collect::<BTreeMap<_, _>>();
     let (in_base, in_ours, in_theirs) = (table(base), table(ours), table(theirs));
     let mut take = |key: &K| {
         let (base, ours, theirs) = (in_base.get(key), in_ours.get(key), in_theirs.get(key));
-        match choose(base, ours, theirs) {
+        match choose([base, ours, theirs], is_same) {
             Choice::Theirs => theirs.cloned(),
             Choice::Ours => ours.cloned(),
             Choice::Conflict => {
@@ -142,18 +172,20 @@ fn join<K: Ord + Clone, V: Clone + PartialEq>(
 
 type Keys = Map<String, Value>;
 
-fn join_maps(base: &Keys, ours: &Keys, theirs: &Keys, conflicts: &mut Vec<String>) -> Keys {
+fn join_maps(sides: [&Keys; 3], conflicts: &mut Vec<String>) -> Keys {
     let entries = |map: &Keys| -> Keyed<String, (String, Value)> {
         map.iter().map(|(key, value)| (key.clone(), (key.clone(), value.clone()))).collect()
     };
-    join(&entries(base), &entries(ours), &entries(theirs), |(key, _)| conflicts.push(key.clone())).into_iter().collect()
+    let [base, ours, theirs] = sides.map(entries);
+    join([&base, &ours, &theirs], PartialEq::eq, |(key, _)| conflicts.push(key.clone())).into_iter().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, FieldSpec, Frame};
-    use crate::geometry::ImageSize;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::document::{Click, FieldSpec, FramePtz, FrameStatus};
+    use crate::geometry::{ImagePoint, ImageSize, Vec3};
 
     const SIZE: ImageSize = ImageSize::new(64, 48);
 
@@ -207,14 +239,57 @@ mod tests {
         assert_eq!((same.document, same.conflicts.len()), (ours, 0));
     }
 
+    fn suggest(document: &mut Document, name: &str, pan_deg: f64) {
+        let frame = document.frames.iter_mut().find(|frame| frame.name() == name).unwrap();
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+        frame.status = FrameStatus::Suggested;
+    }
+
     #[test]
-    fn edits_of_an_unknown_document_bring_their_frames() {
-        let base = document(&["a", "b"]);
-        let mut ours = base.clone();
-        comment(&mut ours, "b", " ours");
-        ours.frames.push(Frame::from_image("new", "main".into(), SIZE).into());
-        let edits = [Edit::between(&base, &ours, "Both")];
-        let theirs = document(&["b", "z"]);
-        assert_eq!(told(&graft(&edits, &theirs)), ["b ours", "z", "new"]);
+    fn what_is_suggested_never_beats_what_a_person_did() {
+        let base = document(&["a", "b", "c", "d"]);
+        let (mut ours, mut theirs) = (base.clone(), base.clone());
+        suggest(&mut ours, "a", 1.0);
+        suggest(&mut ours, "b", 1.0);
+        suggest(&mut theirs, "b", 2.0);
+        suggest(&mut theirs, "c", 2.0);
+        suggest(&mut theirs, "d", 2.0);
+        let accepted = theirs.frames.iter_mut().next().unwrap();
+        accepted.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+        accepted.status = FrameStatus::Reference;
+        comment(&mut ours, "d", " ours");
+        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
+        assert_eq!(conflicts, [""; 0], "nobody changed a frame on both sides");
+        let statuses: Vec<FrameStatus> = document.frames.iter().map(|frame| frame.status).collect();
+        assert_eq!(
+            statuses,
+            [FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Suggested]
+        );
+        let pan_deg = |at: usize| document.frames[at].ptz.as_ref().map(|ptz| ptz.pan_deg);
+        assert_eq!([pan_deg(0), pan_deg(1), pan_deg(2)], [None, Some(1.0), Some(2.0)]);
+        assert_eq!(document.frames[3].comment.as_deref(), Some(" ours"), "a suggestion replaces no comment");
+    }
+
+    #[test]
+    fn what_is_suggested_for_another_base_is_left_out() {
+        let base = document(&["a"]);
+        let (mut ours, theirs) = (base.clone(), base.clone());
+        suggest(&mut ours, "a", 1.0);
+        let mut moved = theirs;
+        let upright = BaseAngles::default().base_from_world();
+        moved.cameras[0].set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 18.0), upright, SIZE.centre()));
+        assert_eq!(merge(&base, &ours, &moved).document.frames[0].status, FrameStatus::New);
+    }
+
+    #[test]
+    fn a_count_of_edits_is_no_change_and_never_goes_back() {
+        let base = document(&["a"]);
+        let (mut ours, mut theirs) = (base.clone(), base.clone());
+        ours.frames[0].revision = 5;
+        comment(&mut theirs, "a", " theirs");
+        theirs.frames[0].revision = 1;
+        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
+        assert_eq!((told(&document), conflicts.len()), (vec!["a theirs".to_owned()], 0));
+        assert_eq!(document.frames[0].revision, 5);
     }
 }

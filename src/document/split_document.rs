@@ -30,6 +30,11 @@ impl SplitDocument {
         &self.edited
     }
 
+    /// What people did, by itself.
+    pub(crate) fn into_edited(self) -> Document {
+        self.edited
+    }
+
     /// What people did in a document that edits led to from this one. Frames that both share are not looked at.
     pub(crate) fn edited_of(&self, now: &Document) -> Document {
         let frames = if let Some(changed) = now.frames.changed_in_place(&self.shown.frames) {

@@ -13,9 +13,9 @@ use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
 use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction};
 use crate::field::template_named;
-use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
+use crate::store::{Location, Orphan, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is left for the window to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +53,8 @@ enum Kind {
     SnapPoints(u64),
     /// It exports or imports; the order's ticket.
     Transfer(u64),
+    /// It reads what concerns the open document alone.
+    Beside,
     /// Anything that runs to its end.
     Other,
 }
@@ -107,6 +109,8 @@ pub struct Runner {
     jobs: Vec<RunningJob>,
     tasks: Vec<Task>,
     reports: Vec<Action>,
+    /// What was opened, until the application has taken in what was reported before it.
+    ready: Option<Box<Ready>>,
 }
 
 impl Runner {
@@ -123,6 +127,7 @@ impl Runner {
             jobs: Vec::new(),
             tasks: Vec::new(),
             reports: Vec::new(),
+            ready: None,
         }
     }
 
@@ -142,7 +147,10 @@ impl Runner {
                 let template = template_named(&name, &folder).map(Box::new);
                 Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
             }),
-            Effect::CancelOpening => self.give_up(|kind| kind == Kind::Opening),
+            Effect::CancelOpening => {
+                self.give_up(|kind| kind == Kind::Opening);
+                self.ready = None;
+            }
             Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
                 let pictures = self.pictures.clone();
                 self.begin("base", Kind::Estimate, move |watch| {
@@ -237,7 +245,7 @@ impl Runner {
                 });
             }
             Effect::CancelTransfer => self.give_up(|kind| matches!(kind, Kind::Transfer(_))),
-            Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
+            Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
@@ -249,14 +257,16 @@ impl Runner {
 
     /// What has happened since the last call.
     pub fn poll(&mut self) -> Vec<Action> {
+        if let Some(ready) = self.ready.take() {
+            return self.let_in(*ready);
+        }
         let mut actions = std::mem::take(&mut self.reports);
         actions.extend(self.poll_jobs());
-        let mut opened = None;
         for task in &mut self.tasks {
             while let Some(report) = task.background.poll() {
                 match report {
                     _ if task.given_up => {}
-                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => opened = Some(ready),
+                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => self.ready = Some(ready),
                     BackgroundReport::Progress(action) | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
                         actions.push(action);
                     }
@@ -283,7 +293,7 @@ impl Runner {
                             ticket,
                             result: Err(format!("Internal error (please report it): {message}")),
                         }),
-                        Kind::Opening | Kind::BurntIn | Kind::Other => {
+                        Kind::Opening | Kind::BurntIn | Kind::Beside | Kind::Other => {
                             Action::Failed(format!("internal error (please report it): {message}"))
                         }
                     }),
@@ -291,13 +301,8 @@ impl Runner {
             }
         }
         self.tasks.retain(|task| !task.background.is_over());
-        if let Some(ready) = opened {
-            // What was open before is written first; its last words matter no more than a failure.
-            actions.extend(self.close());
-            match self.start_saver(*ready) {
-                Ok(action) => actions.push(action),
-                Err(error) => actions.push(Action::Failed(error.to_string())),
-            }
+        if self.ready.is_some() {
+            (self.wake)();
         }
         let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
         actions.extend(reports.into_iter().map(|report| match report {
@@ -315,12 +320,29 @@ impl Runner {
         actions
     }
 
+    /// Puts a document that was opened in the place of the one before. The application has taken in all that was reported until
+    /// now, and its edits are with that one's saver; what is reported later of that one concerns nobody.
+    fn let_in(&mut self, ready: Ready) -> Vec<Action> {
+        self.give_up(|kind| !matches!(kind, Kind::Opening | Kind::Other));
+        // What was open before is written first; its last words matter no more than a failure.
+        let mut actions = self.close();
+        actions.push(match self.start_saver(ready) {
+            Ok(opened) => opened,
+            Err(error) => Action::Failed(error.to_string()),
+        });
+        actions
+    }
+
     /// Writes what is left of the open document and waits for the disk.
     pub fn close(&mut self) -> Vec<Action> {
         self.trainer = None;
         self.held = None;
         let failure = |action: Action| match action {
             Action::SaveFailed(_) => Some(action),
+            // Nobody is left to ask.
+            Action::ChangedOutside { path, own: Some(own) } => {
+                Some(Action::Notify(Level::Warning, kept_own(&path, &own)))
+            }
             // There was no time to give it the document.
             Action::WholeWanted => {
                 Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
@@ -334,7 +356,7 @@ impl Runner {
     /// Whether something is still under way.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        !self.jobs.is_empty() || !self.tasks.is_empty()
+        !self.jobs.is_empty() || !self.tasks.is_empty() || self.ready.is_some()
     }
 
     /// Runs an operation on a thread of its own.
@@ -400,6 +422,9 @@ impl Runner {
 
     /// Opens what a task finds out.
     fn open(&mut self, name: &str, path: impl FnOnce(OpenWatch<'_>) -> Result<PathBuf, JobError> + Send + 'static) {
+        // Whoever asks for another document does not wait for the one before.
+        self.give_up(|kind| kind == Kind::Opening);
+        self.ready = None;
         let held = self.held.clone();
         self.begin(name, Kind::Opening, move |watch| {
             let tell = |text| watch.tell(Action::Progress(text));
@@ -410,7 +435,7 @@ impl Runner {
     /// Begins a task that reads or writes files beside the open document.
     fn begin_beside(&mut self, name: &str, task: impl FnOnce(&Location) -> Result<Action, JobError> + Send + 'static) {
         if let Some(location) = self.held.clone() {
-            self.begin(name, Kind::Other, move |_| task(&location).map(Outcome::Action));
+            self.begin(name, Kind::Beside, move |_| task(&location).map(Outcome::Action));
         }
     }
 
@@ -448,11 +473,17 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
             said.into_iter().chain([Action::Saved { revision, at: clock(at), whole: true }]).collect()
         }
         SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
-        SaverReport::ChangedOutside { path } => vec![Action::ChangedOutside(path)],
+        SaverReport::ChangedOutside { path, own } => vec![Action::ChangedOutside { path, own }],
         SaverReport::Outside(outside) => vec![Action::Outside(outside)],
         SaverReport::NeedsWhole => vec![Action::WholeWanted],
         SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving failed: {message}"))],
     }
+}
+
+/// What is said of a document that was closed after another program had changed it.
+fn kept_own(path: &Path, own: &Orphan) -> String {
+    let (path, own) = (path.display(), own.path.display());
+    format!("Another program changed {path}; your version is kept as {own}.")
 }
 
 /// The time of day as the window shows it: "12:03:41".
@@ -538,6 +569,70 @@ mod tests {
         bench.app.update(opened());
         bench.wait();
         assert!(bench.app.operations.probe.taken.is_empty());
+    }
+
+    /// A folder with a document of this many frames.
+    fn project(frames: usize) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |index: usize| crate::document::Frame::from_image(&index.to_string(), "main".into(), SIZE).into();
+        document.frames.extend((0..frames).map(frame));
+        let location = Location::for_new_document(&folder.path().join("project.json")).unwrap();
+        crate::store::write_document(&location, &document, false).unwrap();
+        folder
+    }
+
+    const SIZE: crate::geometry::ImageSize = crate::geometry::ImageSize::new(64, 48);
+
+    #[test]
+    fn what_was_reported_before_a_document_opened_still_concerns_the_one_before() {
+        let mut bench = Bench::new();
+        let folder = project(1);
+        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        bench
+            .runner
+            .begin("word", Kind::Other, |_| Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned()))));
+        let mut batches = Vec::new();
+        while bench.runner.is_busy() {
+            bench.woken.recv().unwrap();
+            batches.push(bench.runner.poll());
+        }
+        let opened = |batch: &Vec<Action>| batch.iter().any(|action| matches!(action, Action::Opened(_)));
+        let last = batches.iter().position(|batch| opened(batch)).unwrap();
+        assert_eq!(batches[last].len(), 1, "nothing is reported along with it");
+        assert!(batches[..last].iter().chain(&batches[last + 1..]).flatten().count() > 0, "the word is not lost");
+    }
+
+    #[test]
+    fn the_document_that_is_asked_for_last_opens_alone() {
+        let mut bench = Bench::new();
+        let (first, last) = (project(1), project(2));
+        bench.runner.carry_out(Effect::Open(first.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(last.path().to_path_buf()));
+        bench.wait();
+        assert_eq!(bench.app.open().unwrap().document.frames.len(), 2);
+        assert!(!first.path().join("project.json.lock").exists(), "the other one is let go of");
+    }
+
+    #[test]
+    fn what_was_read_for_another_document_is_passed_over() {
+        let mut bench = Bench::new();
+        let folder = project(1);
+        let (go_on, wait) = channel();
+        bench.runner.begin("read", Kind::Beside, move |_| {
+            let _: Result<(), _> = wait.recv();
+            Ok(Outcome::Action(Action::Notify(Level::Info, "of another document".to_owned())))
+        });
+        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {
+            bench.woken.recv().unwrap();
+            for action in bench.runner.poll() {
+                bench.app.update(action);
+            }
+        }
+        go_on.send(()).unwrap();
+        bench.wait();
+        assert!(bench.app.session.notices.iter().all(|notice| notice.text != "of another document"));
     }
 
     #[test]

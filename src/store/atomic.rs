@@ -90,9 +90,9 @@ fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
     calls::flush(&copy, to)
 }
 
-/// Writes a new file under the first free name of `path.WORD-1.json`, …, which is a document's for whoever opens it.
-pub(super) fn write_new_beside(path: &Path, word: &str, bytes: &[u8]) -> io::Result<PathBuf> {
-    let free = free_name(path, word, ".json");
+/// Writes a new file under the first free name of `path.WORD-1ENDING`, `path.WORD-2ENDING`, ….
+pub(super) fn write_new_as(path: &Path, word: &str, ending: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+    let free = free_name(path, word, ending);
     write_atomically(&free, bytes)?;
     Ok(free)
 }
@@ -113,6 +113,11 @@ pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
     PathBuf::from(name)
+}
+
+/// The name of a file, without its folder.
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The folder a file lies in.

@@ -3,14 +3,13 @@
 use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new, write_output};
 use super::calls;
 use super::history_file::{self, HistoryFile, HistoryLeftOut};
-use super::journal::{DocumentHash, Journal, JournalContent, Pending};
+use super::journal::{DocumentHash, Journal, JournalContent, Pending, hash_of};
 use super::lock::{Lock, lock};
+use super::own_version::OwnVersion;
 use super::replay::Replay;
-use super::{DocumentStore, Location, Others, Outside, ReadOnly, StoreError};
-use crate::document::{Document, Edit, History, document_from_bytes, document_to_string};
+use super::{DocumentStore, Location, Orphan, Others, Outside, ReadOnly, StoreError};
+use crate::document::{Document, Edit, History, common_base, document_from_bytes, document_to_string};
 use crate::files::{read_regular, read_regular_within, remove_stray_files};
-use crate::geometry::hex;
-use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
@@ -112,6 +111,10 @@ pub struct Store {
     journal: Journal,
     /// The document's file as it was last read or written; none where there was no file.
     written: Option<(Document, DocumentHash)>,
+    /// The document's file as it was opened, or as another program left it when this program last wrote over it.
+    opened: Option<Document>,
+    /// What the window holds, kept beside the version of another program.
+    own: Option<OwnVersion>,
     /// The document that was to be written last. Where that failed at the very end, it is there already.
     announced: Option<DocumentHash>,
     /// The journal holds edits that the document's file lacks.
@@ -195,6 +198,19 @@ pub fn write_document(location: &Location, document: &Document, replace: bool) -
     let backup = location.backup();
     keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
     write_atomically(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source))
+}
+
+/// Refuses a document that another program has open; to be asked before the work begins whose result is to replace it.
+///
+/// # Errors
+/// It is open elsewhere, or cannot be written.
+pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
+    let Ok(location) = Location::find(path) else { return Ok(()) };
+    if !location.lock().exists() {
+        return Ok(());
+    }
+    let read_only = |reason| StoreError::ReadOnly { path: location.file().to_path_buf(), reason };
+    lock(&location).map(drop).map_err(read_only)
 }
 
 /// Sets a journal aside that holds edits which belong to no document here.
@@ -309,10 +325,6 @@ fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreE
     Ok((document, hash_of(&bytes)))
 }
 
-pub(super) fn hash_of(bytes: &[u8]) -> DocumentHash {
-    hex(&Sha256::digest(bytes))
-}
-
 impl Store {
     /// Makes a new document at a place where there is none.
     ///
@@ -343,13 +355,10 @@ impl Store {
     }
 
     /// A store whose journal holds no edit that the file lacks.
-    const fn begun(
-        location: Location,
-        journal: Journal,
-        written: Option<(Document, DocumentHash)>,
-        lock: Lock,
-    ) -> Self {
-        Self { location, journal, written, announced: None, behind: false, needs_whole: false, lock }
+    fn begun(location: Location, journal: Journal, written: Option<(Document, DocumentHash)>, lock: Lock) -> Self {
+        let opened = written.as_ref().map(|(document, _)| document.clone());
+        let (own, announced) = (None, None);
+        Self { location, journal, written, opened, own, announced, behind: false, needs_whole: false, lock }
     }
 
     /// Where the document lies.
@@ -380,11 +389,18 @@ impl Store {
         history: &History<Document>,
     ) -> Result<Option<PathBuf>, StoreError> {
         let path = self.location.file().to_path_buf();
-        let mut kept = None;
+        let (mut kept, mut theirs) = (None, None);
         if self.changed_outside()? {
+            theirs = read_document(&self.location).ok();
             kept = Some(copy_aside(&path, "outside").map_err(|source| StoreError::from_io("copy", &path, source))?);
         }
         self.write(document, Some(history))?;
+        if let Some((theirs, _)) = theirs {
+            self.opened = Some(theirs);
+        }
+        if let Some(own) = self.own.take() {
+            own.remove();
+        }
         Ok(kept)
     }
 
@@ -415,11 +431,9 @@ impl Store {
         let text =
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
-        let changes = !self.has_written(&hash) || !path.exists();
-        // Where writing failed at its very end, the document is there, and the version before it is the backup.
-        let is_there = changes
-            && self.announced.as_ref() == Some(&hash)
-            && read_regular(path).is_ok_and(|bytes| hash_of(&bytes) == hash);
+        // The file is asked and not what is remembered of it: another program may have replaced it.
+        let is_there = read_regular(path).is_ok_and(|bytes| hash_of(&bytes) == hash);
+        let changes = !is_there || !self.has_written(&hash);
         if changes {
             self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
             self.announced = Some(hash.clone());
@@ -430,13 +444,15 @@ impl Store {
                 log::warn!("{}: {error}; after closing, these steps cannot be undone", path.display());
             }
         }
-        if is_there {
+        if is_there && changes {
+            // Writing failed at its very end, and the version before it is the backup.
             calls::flush_folder(self.location.folder()).map_err(|source| StoreError::from_io("write", path, source))?;
         } else if changes {
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
             self.write_text(&text).map_err(|source| StoreError::from_io("write", path, source))?;
         }
+        self.opened.get_or_insert_with(|| document.clone());
         self.written = Some((document.clone(), hash.clone()));
         (self.behind, self.needs_whole) = (false, false);
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
@@ -497,6 +513,9 @@ impl DocumentStore for Store {
         }
         self.journal.append(edits).map_err(|source| self.journal_error(source))?;
         self.behind = true;
+        if let Some(own) = &mut self.own {
+            own.is_whole = false;
+        }
         Ok(())
     }
 
@@ -505,8 +524,27 @@ impl DocumentStore for Store {
             return Ok(None);
         }
         let (theirs, _) = read_document(&self.location)?;
-        let base = self.written.as_ref().map_or_else(|| theirs.clone(), |(written, _)| written.clone());
+        let base = match (&self.opened, &self.written) {
+            (Some(opened), Some((written, _))) => common_base(opened, written, &theirs),
+            _ => theirs.clone(),
+        };
         Ok(Some(Outside { base, theirs }))
+    }
+
+    fn keep_own(&mut self, own: &Document) -> Result<Option<Orphan>, StoreError> {
+        let base = match self.since() {
+            Ok(None) => return Ok(None),
+            Ok(Some(outside)) => outside.base,
+            // What is no document takes nothing from what is held here.
+            Err(error) => self.opened.clone().ok_or(error)?,
+        };
+        let version = OwnVersion::write(self.own.take(), &self.location, &base, own)?;
+        let Some(version) = version else { return Ok(None) };
+        // Edits from here on start from it: should they be set aside, too, they find it.
+        self.journal.announce(version.hash()).map_err(|source| self.journal_error(source))?;
+        let orphan = version.as_orphan();
+        self.own = Some(version);
+        Ok(Some(orphan))
     }
 
     fn keep(
@@ -529,7 +567,9 @@ impl DocumentStore for Store {
 impl Drop for Store {
     fn drop(&mut self) {
         let path = self.location.journal();
-        if !self.behind
+        // What the window held is beside the document, too, where another program replaced that.
+        let is_kept = self.own.as_ref().is_some_and(|own| own.is_whole);
+        if (!self.behind || is_kept)
             && self.journal.is_in_place()
             && let Err(error) = fs::remove_file(&path)
         {

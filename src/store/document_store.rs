@@ -1,6 +1,6 @@
 //! What a place that keeps a document does, whatever the place is.
 
-use super::StoreError;
+use super::{Orphan, StoreError};
 use crate::document::{Document, Edit, History};
 use std::path::PathBuf;
 
@@ -24,6 +24,13 @@ pub trait DocumentStore: Send {
     /// # Errors
     /// It cannot be read.
     fn since(&self) -> Result<Option<Outside>, StoreError>;
+
+    /// Keeps a document that holds every edit beside the version that others wrote since; where it is. None where others changed
+    /// nothing, or where the document says nothing that their version does not start from.
+    ///
+    /// # Errors
+    /// The place refuses it.
+    fn keep_own(&mut self, own: &Document) -> Result<Option<Orphan>, StoreError>;
 
     /// Keeps the document as a whole, which holds every edit, and the steps that can be undone and redone in it; where the
     /// version of others went, if it was set aside.

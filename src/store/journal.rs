@@ -9,7 +9,9 @@ use super::calls;
 use super::file_id::is_at;
 use super::lines::{first_line, line};
 use crate::document::Edit;
+use crate::geometry::hex;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,11 @@ const JOURNAL_VERSION: u32 = 1;
 
 /// The SHA-256 of a document's bytes, hexadecimal.
 pub(super) type DocumentHash = String;
+
+/// Computes it.
+pub(super) fn hash_of(document: &[u8]) -> DocumentHash {
+    hex(&Sha256::digest(document))
+}
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -15,18 +15,23 @@ mod lines;
 mod location;
 mod lock;
 mod orphan;
+mod orphan_edits;
+mod own_version;
 mod read_only;
 mod replay;
 
 pub(crate) use atomic::write_atomically;
 #[cfg(feature = "cli")]
 pub(crate) use atomic::{write_new, write_output};
+#[cfg(feature = "cli")]
+pub(crate) use disk::refuse_open;
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use document_store::{DocumentStore, Others, Outside};
 pub use error::StoreError;
 pub use history_file::HistoryLeftOut;
 pub use location::Location;
 pub(crate) use location::{PROJECT_FILE, PROJECT_SUFFIX};
-pub use orphan::{Orphan, OrphanEdits, orphans, read_orphan};
+pub use orphan::{orphans, read_orphan};
 pub(crate) use orphan::{put_orphan_away, save_orphan};
+pub use orphan_edits::{Orphan, OrphanEdits};
 pub use read_only::ReadOnly;

@@ -1,43 +1,41 @@
-//! Journals whose document was replaced by another program: their edits are found again and joined with what is there.
+//! What is set aside beside a document that another program replaced, journals and what windows held: the edits are found again
+//! and joined with what is there.
 
-use super::atomic::{folder_of, set_aside, write_new_beside};
-use super::disk::hash_of;
-use super::journal::{JournalContent, Pending};
-use super::{Location, StoreError};
-use crate::document::{Document, Edit, Merged, document_from_bytes, document_to_string, graft, merge};
+use super::atomic::{file_name, folder_of, set_aside, write_new_as};
+use super::journal::{JournalContent, Pending, hash_of};
+use super::own_version::{base_of, is_own_version, list_own_version, read_own_version};
+use super::{Location, Orphan, OrphanEdits, StoreError};
+use crate::document::{document_from_bytes, document_to_string, graft};
 use crate::files::read_regular;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A journal that was set aside because its edits start from another document than the one beside it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Orphan {
-    /// The journal.
-    pub path: PathBuf,
-    /// The names of its edits, oldest first.
-    pub edits: Vec<String>,
-}
-
-/// The edits of an orphan, and the document they start from, where one of the versions beside the document is it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OrphanEdits {
-    /// The document that the edits start from.
-    pub base: Option<Document>,
-    /// The edits, oldest first.
-    pub edits: Vec<Edit>,
-}
-
-/// The journals set aside beside a document that hold edits.
+/// The edits that are set aside beside a document.
 #[must_use]
 pub fn orphans(location: &Location) -> Vec<Orphan> {
-    let prefix = file_name(&location.journal()) + ".orphan-";
-    let mut paths = siblings(location);
-    paths.retain(|path| file_name(path).starts_with(&prefix));
-    let orphan = |path: PathBuf| {
-        let edits: Vec<String> = JournalContent::parse(&read_regular(&path).ok()?).edit_names().collect();
-        (!edits.is_empty()).then_some(Orphan { path, edits })
-    };
-    paths.into_iter().filter_map(orphan).collect()
+    siblings(location).into_iter().filter_map(|path| list_orphan(location, path)).collect()
+}
+
+/// A file beside a document as it is listed; none where it is something else.
+fn list_orphan(location: &Location, path: PathBuf) -> Option<Orphan> {
+    if is_own_version(location, &path) {
+        list_own_version(path)
+    } else if is_journal(location, &path) {
+        list_journal(path)
+    } else {
+        None
+    }
+}
+
+/// Whether a file beside a document is a journal that was set aside.
+fn is_journal(location: &Location, path: &Path) -> bool {
+    file_name(path).starts_with(&(file_name(&location.journal()) + ".orphan-"))
+}
+
+/// As it is listed; none where it holds no edit.
+fn list_journal(path: PathBuf) -> Option<Orphan> {
+    let edits: Vec<String> = JournalContent::parse(&read_regular(&path).ok()?).edit_names().collect();
+    (!edits.is_empty()).then_some(Orphan { path, edits })
 }
 
 /// Reads an orphan, and looks for the document that it starts from among the versions beside the document.
@@ -45,6 +43,9 @@ pub fn orphans(location: &Location) -> Vec<Orphan> {
 /// # Errors
 /// It cannot be read.
 pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, StoreError> {
+    if is_own_version(location, orphan) {
+        return read_own_version(orphan);
+    }
     let bytes = read_regular(orphan).map_err(|source| StoreError::from_io("read", orphan, source))?;
     let own = [location.journal(), location.history(), location.lock(), orphan.to_path_buf()];
     for version in siblings(location) {
@@ -62,45 +63,21 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
     Ok(OrphanEdits { base: None, edits: JournalContent::parse(&bytes).into_edits() })
 }
 
-impl OrphanEdits {
-    /// Joins the edits with a document. Where it is not known what they start from, the frames they hold take the place of
-    /// those in the document.
-    #[must_use]
-    pub fn merged_into(&self, document: &Document) -> Merged {
-        match self.document() {
-            Some((base, ours)) => merge(base, &ours, document),
-            None => Merged { document: graft(&self.edits, document), conflicts: Vec::new() },
-        }
-    }
-
-    /// The document that the edits start from, and the one they lead to as far as they fit.
-    fn document(&self) -> Option<(&Document, Document)> {
-        let base = self.base.as_ref()?;
-        let mut ours = base.clone();
-        for edit in &self.edits {
-            if let Err(misfit) = edit.clone().apply(&mut ours) {
-                log::warn!("{}: {misfit}", edit.name);
-                break;
-            }
-        }
-        Some((base, ours))
-    }
-}
-
 /// Writes what an orphan's edits lead to as a document of its own beside the document; where.
 ///
 /// # Errors
 /// The orphan or the document cannot be read, or nothing can be written there.
 pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreError> {
     let edits = read_orphan(location, orphan)?;
-    let document = match edits.document() {
-        Some((_, ours)) => ours,
-        None => graft(&edits.edits, &super::read(location.file())?.1),
+    let document = match edits.result() {
+        Some(ours) => ours,
+        None => graft(&edits.edits, &super::read(location.file())?.1).document,
     };
     let file = location.file();
     let text =
         document_to_string(&document).map_err(|source| StoreError::Write { path: file.to_path_buf(), source })?;
-    write_new_beside(file, "recovered", text.as_bytes()).map_err(|source| StoreError::from_io("write", file, source))
+    write_new_as(file, "recovered", ".json", text.as_bytes())
+        .map_err(|source| StoreError::from_io("write", file, source))
 }
 
 /// Puts an orphan away whose edits are in the document; the file stays, under another name.
@@ -108,12 +85,16 @@ pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreE
 /// # Errors
 /// It cannot be renamed.
 pub fn put_orphan_away(location: &Location, orphan: &Path) -> Result<PathBuf, StoreError> {
-    let renamed = set_aside(&location.journal(), orphan, "merged");
-    renamed.map_err(|source| StoreError::from_io("rename", orphan, source))
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    let io = |source| StoreError::from_io("rename", orphan, source);
+    if !is_own_version(location, orphan) {
+        return set_aside(&location.journal(), orphan, "merged").map_err(io);
+    }
+    let renamed = set_aside(location.file(), orphan, "merged").map_err(io)?;
+    // Only the way back to the base is lost.
+    if let Err(error) = fs::remove_file(base_of(orphan)) {
+        log::warn!("{}: {error}", base_of(orphan).display());
+    }
+    Ok(renamed)
 }
 
 /// The files beside a document, by name.

@@ -8,19 +8,32 @@ use std::time::{Duration, Instant};
 /// Image, video and document files as the dialogs filter them.
 const VIDEOS: &[&str] = &["mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg"];
 
-/// A dialog that is cancelled faster than this was never shown: a missing dialog reports "cancelled" within milliseconds.
-const NO_DIALOG: Duration = Duration::from_millis(150);
+/// A dialog that is cancelled faster than this was never shown: a missing dialog reports "cancelled" at once, on a busy machine after
+/// some tenths of a second, and nobody reads a dialog and closes it that fast.
+const NO_DIALOG: Duration = Duration::from_millis(400);
+
+/// What became of a dialog.
+enum Picked {
+    /// A path was chosen.
+    Path(PathBuf),
+    /// It was closed without a choice.
+    Nothing,
+    /// There was none.
+    NoDialog,
+}
 
 /// At most one file dialog.
 pub struct Files {
     wake: Wake,
-    open: Option<(Question, Instant, Background<(), Option<PathBuf>>)>,
+    open: Option<(Question, Background<(), Picked>)>,
+    /// What no thread could be started for.
+    failed: Option<Question>,
 }
 
 impl Files {
     /// No dialog is open.
     pub const fn new(wake: Wake) -> Self {
-        Self { wake, open: None }
+        Self { wake, open: None, failed: None }
     }
 
     /// Opens a dialog, near a folder if one is given; one that is open already stays.
@@ -29,21 +42,40 @@ impl Files {
             return;
         }
         let dialog = dialog(question, near);
-        let task = Background::spawn("file dialog", self.wake.clone(), move |_| pick(question, dialog));
-        self.open = task.ok().map(|task| (question, Instant::now(), task));
+        match Background::spawn("file dialog", self.wake.clone(), move |_| ask_and_time(|| pick(question, dialog))) {
+            Ok(task) => self.open = Some((question, task)),
+            Err(error) => {
+                log::warn!("the system started no thread for a file dialog: {error}");
+                self.failed = Some(question);
+            }
+        }
     }
 
     /// What was chosen, once it has been; nothing if cancelled. Where no dialog could open, the path is typed instead.
     pub fn poll(&mut self) -> Option<Action> {
-        let (question, since, task) = self.open.as_mut()?;
-        let (question, waited, report) = (*question, since.elapsed(), task.poll()?);
+        if let Some(question) = self.failed.take() {
+            return Some(Action::TypePath(question));
+        }
+        let (question, task) = self.open.as_mut()?;
+        let (question, report) = (*question, task.poll()?);
         self.open = None;
         match report {
-            BackgroundReport::Done(Some(path)) => Some(Action::Answer(question, path)),
-            BackgroundReport::Done(None) => (waited < NO_DIALOG).then_some(Action::TypePath(question)),
-            BackgroundReport::Panicked(_) => Some(Action::TypePath(question)),
-            BackgroundReport::Progress(()) => None,
+            BackgroundReport::Done(Picked::Path(path)) => Some(Action::Answer(question, path)),
+            BackgroundReport::Done(Picked::NoDialog) | BackgroundReport::Panicked(_) => {
+                Some(Action::TypePath(question))
+            }
+            BackgroundReport::Done(Picked::Nothing) | BackgroundReport::Progress(()) => None,
         }
+    }
+}
+
+/// Shows a dialog. How long it took is measured here: the window may look at the result much later.
+fn ask_and_time(pick: impl FnOnce() -> Option<PathBuf>) -> Picked {
+    let since = Instant::now();
+    match pick() {
+        Some(path) => Picked::Path(path),
+        None if since.elapsed() < NO_DIALOG => Picked::NoDialog,
+        None => Picked::Nothing,
     }
 }
 
@@ -86,5 +118,25 @@ fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
         | Question::CameraFrom
         | Question::CompareWith
         | Question::ImportFrom(_) => dialog.pick_file(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_dialog_that_fails_is_made_up_for_by_typing_however_late_the_window_looks() {
+        let mut files = Files::new(Arc::new(|| {}));
+        let task = Background::spawn("file dialog", files.wake.clone(), |_| ask_and_time(|| None)).unwrap();
+        files.open = Some((Question::Project, task));
+        std::thread::sleep(2 * NO_DIALOG);
+        assert!(matches!(files.poll(), Some(Action::TypePath(Question::Project))));
+        let cancelled = ask_and_time(|| {
+            std::thread::sleep(NO_DIALOG);
+            None
+        });
+        assert!(matches!(cancelled, Picked::Nothing));
     }
 }

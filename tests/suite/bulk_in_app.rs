@@ -9,7 +9,7 @@ use touchline::calibrate::{BulkChange, BulkError, BulkSolve};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
 use touchline::field::builtin;
-use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const FRAMES: usize = 210;
@@ -244,4 +244,38 @@ fn what_cannot_be_done_is_told_and_changes_nothing() {
     assert_eq!(*now(&app), before);
     assert!(app.session.notices.iter().any(|notice| notice.text.contains("out of grass")));
     assert!(app.session.bulk.is_none());
+}
+
+#[test]
+fn undo_in_a_blind_round_takes_back_its_own_click() {
+    let mut gold = document();
+    gold.frames[EDITED].gold = true;
+    let mut app = open(gold);
+    let change = higher(&app, 18.5);
+    let order = ordered(app.update(change)).expect("many frames");
+    app.update(Action::Command(Command::ClickAgain));
+    let asked = app.round().and_then(|round| round.asked().cloned()).expect("a round");
+    let at = now(&app).frames[asked.frame].clicks[0].image;
+    app.update(Action::Press { at, on: None });
+    app.update(Action::Release);
+    let repeats = |app: &App| now(app).frames[EDITED].repeats.len();
+    assert_eq!(repeats(&app), 1);
+    app.update(solved(order));
+    assert_eq!(height_m(now(&app)), 18.5, "it became a step meanwhile");
+    app.update(Action::Command(Command::Undo));
+    assert_eq!((repeats(&app), height_m(now(&app))), (0, 18.5), "nothing else is taken back");
+    let again = app.round().and_then(|round| round.asked().cloned());
+    assert_eq!(again.map(|asked| asked.landmark), Some(asked.landmark), "it is asked for again");
+}
+
+#[test]
+fn a_mask_that_is_drawn_meanwhile_stays() {
+    let mut app = open(document());
+    let change = higher(&app, 18.5);
+    let order = ordered(app.update(change)).expect("many frames");
+    let mask = PixelBox { x: 60.0, y: 40.0, width: 300.0, height: 50.0 };
+    app.update(Action::AddMask { of_camera: true, mask });
+    let again = ordered(app.update(solved(order))).expect("the camera changed meanwhile: it is worked out again");
+    app.update(solved(again));
+    assert_eq!((height_m(now(&app)), &now(&app).cameras[0].masks[..]), (18.5, &[mask][..]));
 }

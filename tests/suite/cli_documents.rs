@@ -257,3 +257,29 @@ fn wrong_usage_is_one_line_and_exit_two() {
     }
     assert!(!folder.path().join("m").exists(), "nothing was made");
 }
+
+#[test]
+fn a_document_that_is_open_elsewhere_is_refused_before_the_work_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    let project = folder.path().join("match");
+    write_document(&Location::for_new_document(&project.join("")).unwrap(), &document, false).unwrap();
+    let Access::Writable(store) = open(&project).unwrap().access else { panic!("read-only") };
+    // What they would work on is not there: they do not come to look at it.
+    for command in [
+        "solve missing -o match --force",
+        "track missing -o match --force",
+        "snap missing -o match --force",
+        "refine-base missing -o match --force",
+        "relocalize missing.tlf missing -o match --force",
+        "calibrate missing -o match --force",
+    ] {
+        let ran = touchline(folder.path(), command);
+        assert_eq!(ran.code, 2, "{command}: {}", ran.stderr);
+        assert!(ran.stderr.contains("open in another touchline"), "{command}: {}", ran.stderr);
+    }
+    drop(store);
+    let ran = touchline(folder.path(), "solve match -o match --force");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+}

@@ -166,3 +166,17 @@ fn a_drawn_match_with_a_score_bug_is_asked_about_after_opening() {
         .wait_until("the journal", |app| matches!(app.session.saving, touchline::app::session::Saving::Saved { .. }));
     assert_eq!(ranged(&headless.app).len(), masks.len());
 }
+
+#[test]
+fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
+    let mut bench = Bench::new(crate::review_in_app::suggested(&[Some(0.9), Some(0.9)]));
+    bench.command(Command::ShowMasks);
+    bench.command(Command::Accept);
+    bench.command(Command::AcceptAndStay);
+    assert_eq!(bench.statuses(), "SS");
+    assert_eq!(bench.last_notice(), "Masks are being drawn: Esc ends that first.");
+    bench.command(Command::Cancel);
+    assert!(!bench.app.session.masks);
+    bench.command(Command::AcceptAndStay);
+    assert_eq!(bench.statuses(), "RS");
+}

@@ -175,3 +175,29 @@ fn points_beside_painted_crossings_go_to_them() {
         assert!(off_px < 4.0 * sigma_px && off_px < 5f64.sqrt(), "{id}: {off_px} px, σ {sigma_px} px");
     }
 }
+
+#[test]
+fn snapping_a_proposal_is_a_step_of_its_own() {
+    let (place, truth) = project();
+    let file = place.path().join("project").join("project.json");
+    let mut document = document_from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+    document.frames[0].status = FrameStatus::Suggested;
+    document.frames[0].solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+    std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+    let mut headless = Headless::opened(&place.path().join("project"));
+    headless.act(Action::GoTo(1));
+    headless.act(Action::Command(Command::AcceptAndStay));
+    headless.act(Action::Command(Command::AcceptAnyway));
+    headless.act(Action::GoTo(0));
+    headless.wait_for_picture();
+    let before = frame(&headless.app).ptz.clone();
+    headless.act(Action::Command(Command::Snap));
+    headless.wait_until("the snap", is_snapped);
+    assert!(off_px(&headless.app, &truth) < 0.5);
+    headless.act(Action::Command(Command::Undo));
+    assert_eq!((&frame(&headless.app).ptz, frame(&headless.app).status), (&before, FrameStatus::Suggested));
+    let accepted = headless.app.open().unwrap().document.frames[1].status;
+    assert_eq!(accepted, FrameStatus::Reference, "what was accepted elsewhere stays");
+    headless.act(Action::Command(Command::Redo));
+    assert!(is_snapped(&headless.app));
+}

@@ -466,3 +466,20 @@ impl Bench {
         found.unwrap()
     }
 }
+
+#[test]
+fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
+    let mut bench = Bench::new(suggested(&[Some(0.99), Some(0.98), None, None, Some(0.97)]));
+    bench.command(Command::AcceptAllAbove);
+    bench.act(Action::SetReviewThreshold(0.0));
+    // The forest answers two more, and the last one otherwise.
+    let proposals = [2, 3, 4].map(|frame| proposal(&bench, frame, 1, Some(-3.0))).to_vec();
+    bench.act(Action::Proposals(proposals));
+    assert_eq!(bench.statuses(), "SSSSS");
+    let sheet = bench.app.accept_sheet().map(Arc::clone).unwrap();
+    assert_eq!((sheet.bulk.taken().count(), sheet.bulk.late), (2, 3));
+    bench.act(Action::AcceptAll);
+    assert_eq!(bench.statuses(), "RRSSS");
+    bench.command(Command::AcceptAllAbove);
+    assert_eq!(bench.app.bulk_accept().late, 0, "asked again, they are part of it");
+}

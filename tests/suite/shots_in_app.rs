@@ -158,3 +158,30 @@ fn nothing_is_accepted_before_its_picture_is_there() {
     app.update(Action::Command(Command::AcceptAndStay));
     assert_eq!(app.frame().unwrap().status, FrameStatus::Reference);
 }
+
+#[test]
+fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
+    let (mut app, search) = opened(document());
+    app.update(Action::GoTo(3));
+    app.update(Action::SetComment("mine".to_owned()));
+    app.update(Action::SetComment("undone".to_owned()));
+    app.update(Action::Command(Command::Undo));
+    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
+    let ticket = search.unwrap().ticket;
+    let effects = app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    assert_eq!(starts(&app), [0, 10]);
+    let whole = effects.iter().find_map(|effect| match effect {
+        Effect::JournalWhole { document, history, .. } => Some((document, history)),
+        _ => None,
+    });
+    let (document, history) = whole.expect("the saver is given the history as it is now");
+    assert_eq!((&**document, &**history), (&*app.open().unwrap().document, &app.open().unwrap().history));
+    app.update(Action::Command(Command::Redo));
+    assert_eq!(app.frame().unwrap().comment.as_deref(), Some("undone"), "redo stays");
+    for comment in [Some("mine"), None] {
+        app.update(Action::Command(Command::Undo));
+        assert_eq!((app.frame().unwrap().comment.as_deref(), starts(&app)), (comment, vec![0, 10]));
+    }
+    undo(&mut app);
+    assert_eq!(starts(&app), [0; 0]);
+}

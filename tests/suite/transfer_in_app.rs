@@ -2,6 +2,7 @@
 
 use crate::headless::Headless;
 use std::path::Path;
+use touchline::app::selection::Selecting;
 use touchline::app::transfer::{Look, TransferAction, TransferTab, in_dialog};
 use touchline::app::{Action, Command, Question, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz};
@@ -181,4 +182,54 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     assert_eq!(next.as_deref(), Some("Import labels"));
     headless.act(Action::Command(Command::Undo));
     assert!(headless.app.open().unwrap().document.frames[2].clicks.is_empty());
+}
+
+#[test]
+fn a_typed_path_replaces_no_file_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    let precious = folder.path().join("precious.csv");
+    std::fs::write(&precious, "precious").unwrap();
+    headless.act(Action::Command(Command::Export));
+    act(&mut headless, TransferAction::Format(Format::Csv));
+    headless.act(Action::TypePath(Question::ExportAs(Format::Csv)));
+    headless.answer(Question::ExportAs(Format::Csv), &precious);
+    headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.contains("exists")));
+    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
+    // A file dialog has asked.
+    headless.act(Action::Command(Command::Export));
+    headless.answer(Question::ExportAs(Format::Csv), &precious);
+    headless
+        .wait_until("writing", |app| app.session.notices.iter().any(|notice| notice.text.contains("written as csv")));
+    assert_ne!(std::fs::read_to_string(&precious).unwrap(), "precious");
+}
+
+#[test]
+fn undo_of_an_import_shows_a_frame_that_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    // Another project brings six frames of its own.
+    let other = tempfile::tempdir().unwrap();
+    let mut theirs = (*headless.app.open().unwrap().document).clone();
+    let frame = |index: usize| Frame::from_image(&format!("{index}-theirs.png"), "main".into(), SIZE);
+    theirs.frames = (0..6).map(|index| frame(index).into()).collect();
+    for frame in &mut theirs.frames {
+        frame.clicks = vec![Click::landmark("centre_mark".into(), ImagePoint::new(80.0, 50.0))];
+        frame.status = FrameStatus::Draft;
+    }
+    std::fs::write(other.path().join("project.json"), document_to_string(&theirs).unwrap()).unwrap();
+    headless.act(Action::Command(Command::Import));
+    act(&mut headless, TransferAction::ImportFormat(Format::Json));
+    headless.answer(Question::ImportFrom(Format::Json), &other.path().join("project.json"));
+    let Look::Import(Ok(joined)) = found(&mut headless) else { panic!("{:?}", headless.app.session.transfer.found) };
+    assert_eq!(joined.added, 6);
+    act(&mut headless, TransferAction::TakeOver);
+    for frame in [9, 1] {
+        headless.act(Action::SelectFrame { frame, how: Selecting::Toggle });
+    }
+    headless.act(Action::GoTo(9));
+    headless.act(Action::Command(Command::Undo));
+    assert_eq!(headless.app.open().unwrap().document.frames.len(), 4);
+    assert_eq!((headless.app.session.frame, headless.app.frame().is_some()), (3, true));
+    assert!(headless.app.session.frames_selected.iter().all(|frame| *frame < 4));
 }

@@ -65,6 +65,8 @@ pub struct BulkAccept {
     pub rows: Vec<ReviewRow>,
     /// Certain enough, but left out because they disagree with their neighbours.
     pub left_out: usize,
+    /// Certain enough, but left out because they came, or changed, since the question was asked.
+    pub late: usize,
     /// The places of those that a person has taken out.
     pub unticked: BTreeSet<usize>,
 }
@@ -74,6 +76,15 @@ impl BulkAccept {
     const DOUBTFUL: usize = 6;
     /// and as many of the others, spread over the whole range of confidence.
     const SAMPLES: usize = 6;
+
+    /// Leaves out what is not as it was when the question was asked: `asked` are the frames as they were then, `now` as they are.
+    #[must_use]
+    pub(super) fn without_late(mut self, asked: &Frames, now: &Frames) -> Self {
+        let found = self.rows.len();
+        self.rows.retain(|row| asked.get(row.frame) == now.get(row.frame));
+        self.late = found - self.rows.len();
+        self
+    }
 
     /// Those that are accepted.
     pub fn taken(&self) -> impl Iterator<Item = &ReviewRow> {
@@ -277,7 +288,7 @@ impl Review {
         let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) =
             self.waiting().filter(certain).partition(|row| row.disagrees() && !choice.with_disagreeing);
         rows.sort_by(doubtful_first);
-        BulkAccept { rows, left_out: disagreeing.len(), unticked: BTreeSet::new() }
+        BulkAccept { rows, left_out: disagreeing.len(), late: 0, unticked: BTreeSet::new() }
     }
 
     /// The suggestion after a frame, or before it, in the list's order, round and round; none where there is no other.

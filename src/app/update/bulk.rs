@@ -90,7 +90,7 @@ impl App {
         let joined = match solved.join(&open.document) {
             Ok(Some(joined)) => joined,
             Ok(None) => {
-                let change = solved.change().clone();
+                let change = solved.change_for(&open.document);
                 let work = BulkSolve { document: open.document.clone(), folder: open.folder.clone(), change };
                 self.begin_bulk(step, work);
                 return true;

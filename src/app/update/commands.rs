@@ -94,6 +94,7 @@ impl App {
             C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
                 Some("There are no burned-in graphics to decide about.")
             }
+            C::Accept | C::AcceptAndStay if self.session.masks => Some("Masks are being drawn: Esc ends that first."),
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::AssignToCamera
             | C::NewCameraFromChange
@@ -331,6 +332,7 @@ impl App {
         }
         if self.session.opening.take().is_some() {
             self.tour_waits = false;
+            self.session.leaving = None;
             self.effects.push(Effect::CancelOpening);
             return;
         }
@@ -340,6 +342,9 @@ impl App {
         }
         if self.session.mode == Mode::Idle && self.session.base.is_open() {
             self.drop_base();
+            return;
+        }
+        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.masks) {
             return;
         }
         match &self.session.mode {
@@ -377,7 +382,9 @@ impl App {
             self.session.notify(Level::Info, text);
             return;
         }
+        let frames = open.document.frames.clone();
         open.undo(back);
+        self.follow_frames(&frames);
         let (title, kind) = if back { ("Undone", EditKind::Undone) } else { ("Redone", EditKind::Redone) };
         self.journal(&format!("{title}: {}", step.name), kind);
         self.session.notify(Level::Info, format!("{title}: {}.", step.name));

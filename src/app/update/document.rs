@@ -14,15 +14,11 @@ use std::path::{Path, PathBuf};
 impl App {
     pub(super) fn open_path(&mut self, path: PathBuf) {
         self.tour_waits = false;
-        if !self.asks_before(Leaving::Open(path.clone())) {
-            self.begin_opening(path);
-        }
+        self.leave_document(Leaving::Open(path));
     }
 
     pub(super) fn open_demo(&mut self) {
-        if !self.asks_before(Leaving::OpenDemo) {
-            self.begin_opening_demo();
-        }
+        self.leave_document(Leaving::OpenDemo);
     }
 
     pub(super) fn begin_opening_demo(&mut self) {
@@ -118,6 +114,8 @@ impl App {
 
     /// Takes the path that was asked for.
     pub(super) fn answer(&mut self, question: Question, path: PathBuf) {
+        // A file dialog asks before a file is replaced; who types a path has not been asked.
+        let is_typed = matches!(self.session.dialog, Some(Dialog::Path(_)));
         self.session.dialog = None;
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
@@ -130,7 +128,7 @@ impl App {
                 });
             }
             (Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_), Some(_)) => {
-                self.place_chosen(question, path);
+                self.place_chosen(question, path, !is_typed);
             }
             (Question::CompareWith, Some(_)) => self.compare(path),
             (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
@@ -144,6 +142,10 @@ impl App {
             self.session.saving = Saving::Saved { at };
             if whole {
                 self.session.changed_outside = None;
+                // The document holds it now.
+                if let Some(own) = self.session.own_version.take() {
+                    self.session.orphans.retain(|orphan| orphan.path != own);
+                }
             }
             self.go_on_leaving(whole);
         }
@@ -156,8 +158,10 @@ impl App {
             Saving::Untouched | Saving::Pending => None,
         };
         self.session.saving = Saving::Failed { message, since };
-        if std::mem::take(&mut self.session.closing) {
-            self.asks_before(Leaving::Close);
+        if let Some(leaving) = self.stay()
+            && self.is_unsaved()
+        {
+            self.session.dialog = Some(Dialog::NotSaved(leaving));
         }
     }
 }

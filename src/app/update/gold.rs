@@ -187,12 +187,33 @@ impl App {
             return;
         }
         round.go_back();
-        if let Some(open) = &mut self.open
-            && let Some(step) = open.undo(true)
-        {
-            self.journal(&format!("Undone: {}", step.name), EditKind::Undone);
+        let (asked, number) = (round.asked().cloned(), round.round);
+        if let Some(asked) = asked {
+            self.take_back_again(&asked, number);
         }
         self.show_asked();
+    }
+
+    /// Takes back the click of a landmark in this round: the last step, unless something else has become that meanwhile.
+    fn take_back_again(&mut self, asked: &Asked, round: u32) {
+        let step = self.step_at(self.step_again(asked), asked.frame);
+        let Some(open) = &mut self.open else { return };
+        if open.history.next_undo() == Some(&step) {
+            open.undo(true);
+            self.journal(&format!("Undone: {}", step.name), EditKind::Undone);
+            return;
+        }
+        let name = format!("Take back: {}", step.name);
+        if !self.begin_step(self.step_at(name, asked.frame)) {
+            return;
+        }
+        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
+            let is_it = |repeat: &Repeat| repeat.landmark == asked.landmark && repeat.round == round;
+            if let Some(last) = frame.repeats.iter().rposition(is_it) {
+                frame.repeats.remove(last);
+            }
+        }
+        self.commit();
     }
 
     fn step_again(&self, asked: &Asked) -> String {

@@ -1,48 +1,59 @@
-//! Closing the window or opening something else while edits are only in memory: nothing goes unasked.
+//! Closing the window or opening something else while edits are only in memory, or while another program has changed the document:
+//! nothing goes unasked.
 
 use super::App;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Leaving, Mode, Saving};
 
 impl App {
-    /// Writes everything, then closes; at once if there is nothing to write. Where it cannot be written, or takes its time
-    /// when asked again, a dialog says what would be lost.
+    /// Closes the window once everything is written.
     pub(super) fn close_requested(&mut self) {
         if let Mode::Dragging { .. } | Mode::Editing = self.session.mode {
             self.abort();
         }
+        self.leave_document(Leaving::Close);
+    }
+
+    /// Writes everything, then closes or opens something else; at once if there is nothing to write. Where it cannot be written,
+    /// takes its time when asked again, or another program has changed the document, a dialog says what becomes of the edits.
+    pub(super) fn leave_document(&mut self, leaving: Leaving) {
         let read_only = self.open.as_ref().is_none_or(|open| open.read_only.is_some());
-        if read_only || self.session.saving == Saving::Untouched || self.is_copied() {
-            self.effects.push(Effect::Close);
+        let is_changed_outside = self.session.changed_outside.is_some();
+        if read_only || (self.session.saving == Saving::Untouched && !is_changed_outside) || self.is_copied() {
+            self.leave(leaving);
             return;
         }
-        if self.session.closing || self.is_unsaved() || self.session.changed_outside.is_some() {
-            self.session.closing = false;
-            self.session.dialog = Some(Dialog::NotSaved(Leaving::Close));
+        let is_asked_again = self.session.leaving.as_ref() == Some(&leaving);
+        if is_asked_again || self.is_unsaved() || is_changed_outside {
+            self.stay();
+            self.session.dialog = Some(Dialog::NotSaved(leaving));
         } else {
-            self.session.closing = true;
+            if leaving != Leaving::Close {
+                self.session.opening = Some("Saving before opening…".to_owned());
+            }
+            self.session.leaving = Some(leaving);
         }
         // The disk may have room again.
         self.save();
     }
 
-    /// Asks before edits are lost to what is about to happen; false where none would be.
-    pub(super) fn asks_before(&mut self, leaving: Leaving) -> bool {
-        let asks = self.is_unsaved();
-        if asks {
-            self.session.dialog = Some(Dialog::NotSaved(leaving));
+    /// Every edit is on disk, in the document or in the journal: goes on with what waited for that. What waits for the document
+    /// itself goes on when that is written.
+    pub(super) fn go_on_leaving(&mut self, whole: bool) {
+        if self.session.leaving.is_none() {
+            self.leave_unsaved();
+        } else if whole && let Some(leaving) = self.session.leaving.take() {
+            self.leave(leaving);
         }
-        asks
     }
 
-    /// Every edit is on disk, in the document or in the journal: goes on with what waited for that. A window that closes
-    /// waits for the document itself.
-    pub(super) fn go_on_leaving(&mut self, whole: bool) {
-        if !self.session.closing {
-            self.leave_unsaved();
-        } else if whole {
-            self.leave(Leaving::Close);
+    /// What was to be done next is not done, and returned.
+    pub(super) fn stay(&mut self) -> Option<Leaving> {
+        let leaving = self.session.leaving.take()?;
+        if leaving != Leaving::Close {
+            self.session.opening = None;
         }
+        Some(leaving)
     }
 
     /// Does what the open dialog warns of, if it is that one.

@@ -182,24 +182,27 @@ fn take_mask(document: &mut Document, shown: usize, list: MaskList, index: usize
 /// Writes a mask for some frames: with a range where they are of a video, else into each of them.
 fn put_mask(document: &mut Document, shown: usize, mask: RangedMask, scope: MaskScope, frames: &[usize]) {
     let number = |frame: &Frame| frame.video.as_ref().map(|video| video.frame_index);
-    let here = number(&document.frames[shown]);
+    let Some(frame) = document.frames.get(shown) else { return };
+    let (here, camera) = (number(frame), frame.camera.clone());
     let range = match scope {
         MaskScope::All => Some((None, None)),
         MaskScope::Frame => None,
         MaskScope::FromHere => Some((here, mask.to.filter(|to| Some(*to) >= here))),
         MaskScope::UpToHere => Some((mask.from.filter(|from| Some(*from) <= here), here)),
         MaskScope::Shot | MaskScope::Selected => {
-            let numbers: Option<Vec<u64>> = frames.iter().map(|&index| number(&document.frames[index])).collect();
+            let numbers: Option<Vec<u64>> =
+                frames.iter().map(|&index| document.frames.get(index).and_then(|frame| number(frame))).collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))
         }
     };
     let Some((from, to)) = range else {
         for &index in frames {
-            document.frames[index].masks.push(mask.pixel_box);
+            if let Some(frame) = document.frames.get_mut(index) {
+                frame.masks.push(mask.pixel_box);
+            }
         }
         return;
     };
-    let camera = document.frames[shown].camera.clone();
     let Some(camera) = document.camera_mut(&camera) else { return };
     if (from, to, mask.source) == (None, None, MaskSource::ByHand) && mask.extra.is_empty() {
         camera.masks.push(mask.pixel_box);

@@ -39,7 +39,7 @@ use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving};
 use super::{App, OpenProject, Settings};
 use crate::calibrate::{CalibrationError, record_outcome};
-use crate::document::{EditKind, Frame, FrameStatus, Step};
+use crate::document::{EditKind, Frame, FrameStatus, Frames, Step};
 use crate::solve::FrameSolution;
 
 impl App {
@@ -242,14 +242,8 @@ impl App {
                 self.session.copies.written = self.session.copies.begun.take();
                 self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
             }
-            Action::WholeWanted => {
-                if let Some(open) = &self.open {
-                    let document = Box::new(open.journalled.shown().clone());
-                    let history = Box::new(open.history.committed());
-                    self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
-                }
-            }
-            Action::ChangedOutside(path) => self.changed_outside(path),
+            Action::WholeWanted => self.journal_whole(),
+            Action::ChangedOutside { path, own } => self.changed_outside(path, own),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
             Action::Outside(outside) => self.merge_outside(&outside),
@@ -329,6 +323,14 @@ impl App {
         self.clamp_selection();
     }
 
+    /// Gives the saver the document with its history in place of what it knows.
+    fn journal_whole(&mut self) {
+        let Some(open) = &self.open else { return };
+        let document = Box::new(open.journalled.shown().clone());
+        let history = Box::new(open.history.committed());
+        self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
+    }
+
     /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
     fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
@@ -364,6 +366,16 @@ impl App {
         if self.open.as_ref().is_none_or(|open| !open.history.is_open()) {
             self.review.refresh(self.open.as_mut(), &self.session);
         }
+    }
+
+    /// Shows and selects the same frames as before, after frames came or went. Where the shown one went, its neighbour is shown.
+    fn follow_frames(&mut self, before: &Frames) {
+        let Some(open) = &self.open else { return };
+        let now = &open.document.frames;
+        let place_now = |place: usize| now.position_of(&before.get(place)?.id);
+        let last = now.len().saturating_sub(1);
+        self.session.frame = place_now(self.session.frame).unwrap_or_else(|| self.session.frame.min(last));
+        self.session.frames_selected = self.session.frames_selected.iter().copied().filter_map(place_now).collect();
     }
 
     fn clamp_selection(&mut self) {

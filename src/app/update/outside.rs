@@ -5,19 +5,54 @@ use crate::app::Command;
 use crate::app::OutsideChoice;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode};
-use crate::document::{Frame, Merged, Step, merge};
-use crate::store::{OrphanEdits, Outside};
+use crate::calibrate::{SolvedAfterMerge, solve_after_merge};
+use crate::document::{Document, Frame, Merged, Step, merge};
+use crate::field::FieldError;
+use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
 
 /// Conflicts that are named; the rest is counted.
 const NAMED: usize = 3;
 
+/// What is merged into the document.
+#[derive(Clone, Copy)]
+enum MergeOf {
+    /// The version that another program wrote.
+    Outside,
+    /// Edits that were set aside.
+    SetAside,
+}
+
+impl MergeOf {
+    /// How undo calls it.
+    const fn step(self) -> &'static str {
+        match self {
+            Self::Outside => "Merge another program's changes",
+            Self::SetAside => "Merge edits that were set aside",
+        }
+    }
+
+    /// What is said before the names of what both sides changed.
+    const fn describe_conflicts(self) -> &'static str {
+        match self {
+            Self::Outside => "Changed on both sides, your version is kept",
+            Self::SetAside => "Changed on both sides",
+        }
+    }
+}
+
 impl App {
-    /// Another program wrote the document. Asked once; the row at the top keeps saying it.
-    pub(super) fn changed_outside(&mut self, path: PathBuf) {
-        self.session.closing = false;
-        if self.session.changed_outside.replace(path).is_none() {
+    /// Another program wrote the document. Asked once, and whenever the document is to be left; the row at the top keeps saying it.
+    /// What the window holds is among the edits that are set aside until somebody decides.
+    pub(super) fn changed_outside(&mut self, path: PathBuf, own: Option<Orphan>) {
+        let is_leaving = self.stay().is_some();
+        if self.session.changed_outside.replace(path).is_none() || is_leaving {
             self.session.dialog = Some(Dialog::ChangedOutside);
+        }
+        if let Some(own) = own {
+            self.session.orphans.retain(|orphan| orphan.path != own.path);
+            self.session.own_version = Some(own.path.clone());
+            self.session.orphans.push(own);
         }
     }
 
@@ -38,7 +73,7 @@ impl App {
     pub(super) fn merge_outside(&mut self, outside: &Outside) {
         let Some(open) = &self.open else { return };
         let merged = merge(&outside.base, &open.document, &outside.theirs);
-        if self.take_merged(merged, "Merge another program's changes") {
+        if self.take_merged(merged, Some(&outside.theirs), MergeOf::Outside) {
             self.effects.push(Effect::SaveOver);
         }
     }
@@ -57,7 +92,7 @@ impl App {
     pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
         let Some(open) = &self.open else { return };
         let merged = edits.merged_into(&open.document);
-        if self.take_merged(merged, "Merge edits that were set aside") {
+        if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {
             self.effects.push(Effect::PutOrphanAway { orphan });
         }
     }
@@ -70,28 +105,83 @@ impl App {
         self.session.notify(Level::Info, format!("The edits are merged; their file is now {}.", renamed.display()));
     }
 
-    /// Makes a joined document the open one, as one step of undo; the shown frame stays the same.
-    fn take_merged(&mut self, merged: Merged, step: &str) -> bool {
+    /// Makes a joined document the open one, as one step of undo; the shown frame stays the same. Frames that the other side
+    /// solved on another base are solved again. What gave way is named.
+    fn take_merged(&mut self, merged: Merged, theirs: Option<&Document>, of: MergeOf) -> bool {
         let shown = self.frame().map(Frame::name);
-        if !self.begin_step(Step::on_document(step)) {
+        if !self.begin_step(Step::on_document(of.step())) {
             return false;
         }
         let Some(open) = &mut self.open else { return false };
-        *open.document = merged.document;
+        let ours = open.document.clone();
+        let Merged { mut document, conflicts } = merged;
+        let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
+        let solved = solve_after_merge(&mut document, &sides, &open.folder);
+        let replaced = replaced_labels(&ours, &document);
+        *open.document = document;
         let place = open.document.frames.iter().position(|frame| Some(frame.name()) == shown);
         let last = open.document.frames.len().saturating_sub(1);
         self.session.frame = place.unwrap_or(self.session.frame.min(last));
         self.session.mode = Mode::Idle;
         self.session.selected = None;
         self.session.frames_selected.clear();
-        self.commit();
-        if !merged.conflicts.is_empty() {
-            let named: Vec<_> = merged.conflicts.iter().take(NAMED).map(String::as_str).collect();
-            let more = merged.conflicts.len() - named.len();
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let text = format!("Changed on both sides, your version is kept: {}{more}.", named.join(", "));
-            self.session.notify(Level::Warning, text);
-        }
+        // The frames follow their cameras already.
+        self.close_step();
+        self.tell_merged(of, solved, &conflicts, &replaced);
         true
     }
+
+    /// Says what a merge did, and offers to take it back.
+    fn tell_merged(
+        &mut self,
+        of: MergeOf,
+        solved: Result<SolvedAfterMerge, FieldError>,
+        conflicts: &[String],
+        replaced: &[String],
+    ) {
+        let mut text = "Both versions are merged.".to_owned();
+        let mut level = Level::Info;
+        if !conflicts.is_empty() {
+            text += &format!(" {}: {}.", of.describe_conflicts(), name_some(conflicts));
+            level = Level::Warning;
+        }
+        if !replaced.is_empty() {
+            text += &format!(" Labels taken from the other version: {}.", name_some(replaced));
+            level = Level::Warning;
+        }
+        match solved {
+            Ok(SolvedAfterMerge { solved: 0, withdrawn, .. }) => self.tell_withdrawn(withdrawn),
+            Ok(SolvedAfterMerge { solved, withdrawn, .. }) => {
+                text += &format!(
+                    " Solved again on the merged base or field: {solved} {}.",
+                    if solved == 1 { "frame" } else { "frames" }
+                );
+                self.tell_withdrawn(withdrawn);
+            }
+            Err(error) => {
+                text += &format!(" Frames of another base were not solved again: {error}.");
+                level = Level::Warning;
+            }
+        }
+        self.session.notify_with(level, text, [("Undo", Command::Undo)]);
+    }
+}
+
+/// The frames with clicks or a decision in which a merge put others in their place, or that it removed.
+fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
+    let labels = before.frames.iter().filter(|frame| !frame.without_suggestion().is_untouched());
+    labels.filter(|frame| gives_way(frame, now)).map(|frame| frame.name()).collect()
+}
+
+/// Whether a document has other clicks or another decision in a frame, or lacks it.
+fn gives_way(frame: &Frame, now: &Document) -> bool {
+    now.frames.by_id(&frame.id).is_none_or(|now| (&now.clicks, now.status) != (&frame.clicks, frame.status))
+}
+
+/// The first of some names; the rest is counted.
+fn name_some(names: &[String]) -> String {
+    let named = &names[..names.len().min(NAMED)];
+    let more = names.len() - named.len();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    named.join(", ") + &more
 }

@@ -102,6 +102,10 @@ impl App {
         if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
             let record = if asked.from_nothing { record_found_by_paint } else { record_snapped };
             record(frame, &found.base, &found.snapped);
+            if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested && !asked.from_nothing {
+                // A suggestion is no step of undo, and what a person asked for is.
+                frame.status = FrameStatus::Draft;
+            }
         }
         self.commit();
         if let Some(before) = before {

@@ -32,7 +32,9 @@ impl App {
         }
     }
 
+    /// Asks whether several suggestions are accepted together. What comes while the question stands is not part of it.
     pub(super) fn ask_accept_all(&mut self) {
+        self.asked_to_accept = self.open.as_ref().map(|open| open.document.frames.clone());
         self.session.dialog = Some(Dialog::AcceptAll);
     }
 
@@ -52,6 +54,11 @@ impl App {
     #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
         let bulk = self.review.bulk(&self.session.review);
+        let asked = self.asked_to_accept.as_ref().zip(self.open.as_ref());
+        let bulk = match asked {
+            Some((asked, open)) => bulk.without_late(asked, &open.document.frames),
+            None => bulk,
+        };
         let places = self.session.unticked.iter();
         let unticked = places.filter_map(|id| self.open.as_ref()?.document.frames.position_of(id)).collect();
         BulkAccept { unticked, ..bulk }
@@ -65,7 +72,11 @@ impl App {
 
     /// Brings the sheet up to date: how many are wrong is worked out only where something changed.
     pub(super) fn refresh_accept_sheet(&mut self) {
-        let bulk = (self.session.dialog == Some(Dialog::AcceptAll)).then(|| self.bulk_accept());
+        let is_asked = self.session.dialog == Some(Dialog::AcceptAll);
+        if !is_asked {
+            self.asked_to_accept = None;
+        }
+        let bulk = is_asked.then(|| self.bulk_accept());
         if self.accept_sheet.as_ref().map(|sheet| &sheet.bulk) != bulk.as_ref() {
             self.accept_sheet = bulk.map(|bulk| Arc::new(bulk.into()));
         }

@@ -5,7 +5,7 @@ use crate::app::effect::Effect;
 use crate::app::session::Level;
 use crate::app::shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch, file_of, without_shots};
 use crate::app::video::{RunningSearch, VideoAction};
-use crate::document::{Document, FrameStatus, ShotKind, ShotsError, VideoShots};
+use crate::document::{Document, EditKind, FrameStatus, ShotKind, ShotsError, Step, VideoShots};
 use crate::media::MediaError;
 
 impl App {
@@ -52,7 +52,9 @@ impl App {
         }
         self.shot_tickets += 1;
         let ticket = self.shot_tickets;
-        let search = RunningSearch { ticket, video: video.clone(), progress: ShotProgress::default(), found: None };
+        let num_below = self.open.as_ref().map_or(0, |open| open.history.num_done());
+        let (video_name, progress) = (video.clone(), ShotProgress::default());
+        let search = RunningSearch { ticket, video: video_name, progress, num_below, found: None };
         self.session.video.search = Some(search);
         self.effects.push(Effect::FindShots(Box::new(ShotSearch { ticket, video, path })));
     }
@@ -88,15 +90,19 @@ impl App {
         let Some(found) = search.found else { return };
         let count = found.cuts.len() + 1;
         let fades = found.cuts.iter().filter(|(_, kind)| *kind == ShotKind::Fade).count();
-        let step = if count == 1 { "Mark the shot".to_owned() } else { format!("Mark {count} shots") };
-        if !self.begin_step(crate::document::Step::on_document(step)) {
+        let name = if count == 1 { "Mark the shot".to_owned() } else { format!("Mark {count} shots") };
+        if self.refuses_changes() {
             return;
         }
-        if let Some(open) = &mut self.open {
-            let shots = VideoShots::found(&open.document, &search.video, found.last, &found.cuts);
-            shots.write(&mut open.document);
+        let Some(open) = &mut self.open else { return };
+        let shots = VideoShots::found(&open.document, &search.video, found.last, &found.cuts);
+        let step = Step::on_document(name.clone());
+        if open.mark_shots(shots, step, search.num_below) {
+            self.journal(&name, EditKind::NoStep);
+            self.journal_whole();
+        } else {
+            self.journal(&name, EditKind::Step { frame: None });
         }
-        self.commit();
         if count > 1 {
             let unsure = match fades {
                 0 => String::new(),

@@ -103,7 +103,8 @@ impl App {
     }
 
     /// Takes the place that was asked for. The dialog comes back: it says what became of it.
-    pub(super) fn place_chosen(&mut self, question: Question, path: PathBuf) {
+    /// `may_replace`: whether somebody was asked about a file that is there.
+    pub(super) fn place_chosen(&mut self, question: Question, path: PathBuf, may_replace: bool) {
         self.session.dialog = Some(Dialog::Transfer);
         let transfer = &self.session.transfer;
         let revision = self.open.as_ref().map(|open| open.revision);
@@ -114,7 +115,8 @@ impl App {
                     Some(Look::Export(Ok(made))) if made.format == format => Some(made.clone()),
                     _ => None,
                 };
-                TransferWork::WriteExport { format, options: Box::new(transfer.export.clone()), made, to: path }
+                let options = Box::new(transfer.export.clone());
+                TransferWork::WriteExport { format, options, made, to: path, replace: may_replace }
             }
             Question::ImportFrom(format) => {
                 let mut options = transfer.import.clone();

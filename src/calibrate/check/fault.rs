@@ -52,6 +52,17 @@ pub enum Fault {
         /// What the field says.
         message: String,
     },
+    /// A camera that its clicks do not give on the base that the document has.
+    #[error(
+        "the stored camera misses its clicks by {stored_px:.1} px, and they give one within {rms_px:.1} px: the base or the field \
+         has changed since; solve the frame again"
+    )]
+    StaleSolution {
+        /// How far the stored camera is off, px.
+        stored_px: f64,
+        /// How far the camera is off that the clicks give, px.
+        rms_px: f64,
+    },
     /// A number is NaN or infinite, or a focal length is not positive.
     #[error("{what} is not a finite number; enter it again")]
     NotFinite {
@@ -304,6 +315,7 @@ impl Fault {
             Self::UnknownLine { .. } => "unknown_line",
             Self::UnnamedClick { .. } => "unnamed_click",
             Self::DuplicateLandmark { .. } => "duplicate_landmark",
+            Self::StaleSolution { .. } => "stale_solution",
             Self::ClickOutside { .. } => "click_outside",
             Self::ClickNoise { .. } => "click_noise",
             Self::UnknownLandmarkAgain { .. } => "unknown_landmark_again",

@@ -10,7 +10,7 @@ use self::work::Work;
 use super::Wake;
 use super::worker::{Mailbox, Worker};
 use crate::document::{Document, Edit, History};
-use crate::store::{DocumentStore, Others, Outside, StoreError};
+use crate::store::{DocumentStore, Orphan, Others, Outside, StoreError};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -69,6 +69,9 @@ pub enum SaverReport {
     ChangedOutside {
         /// The document's file.
         path: PathBuf,
+        /// What the window holds, as it was kept beside; none where it holds nothing of its own, or where that was refused, which
+        /// is reported, too.
+        own: Option<Orphan>,
     },
     /// What others made of the document, as it was asked for.
     Outside(Box<Outside>),

@@ -62,7 +62,9 @@ impl<'a> Work<'a> {
             }
         }
         self.journal();
-        if self.behind_since.is_some() {
+        // Another program may have replaced what was written, and nobody would keep what stood there.
+        let is_replaced = || self.latest_revision > 0 && !matches!(self.store.since(), Ok(None));
+        if self.behind_since.is_some() || is_replaced() {
             self.save(Others::Stay);
         }
     }
@@ -166,12 +168,21 @@ impl<'a> Work<'a> {
             Err(error) => {
                 // Tried again after the usual time, not at once.
                 self.behind_since = self.behind_since.map(|_| Instant::now());
-                self.report(match error {
-                    StoreError::ChangedOutside { path } => SaverReport::ChangedOutside { path },
-                    error => SaverReport::Failed { revision: self.journaled_revision, error },
-                });
+                match error {
+                    StoreError::ChangedOutside { path } => self.keep_own(path),
+                    error => self.report(SaverReport::Failed { revision: self.journaled_revision, error }),
+                }
             }
         }
+    }
+
+    /// Keeps what the window holds beside the version that another program wrote, before anybody decides between the two.
+    fn keep_own(&mut self, path: PathBuf) {
+        let own = self.store.keep_own(self.latest.shown()).unwrap_or_else(|error| {
+            self.report(SaverReport::Failed { revision: self.journaled_revision, error });
+            None
+        });
+        self.report(SaverReport::ChangedOutside { path, own });
     }
 
     fn saved(&mut self, set_aside: Option<PathBuf>) {

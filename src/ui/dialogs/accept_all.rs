@@ -58,7 +58,11 @@ fn describe(panel: &Panel<'_>, AcceptSheet { bulk, expected_wrong }: &AcceptShee
         "The most doubtful come first"
     };
     let expected = describe_wrong(expected_wrong);
-    format!("{count} suggestion{plural}, {expected}. {shown}, from {} on.", percent(lowest))
+    let late = match bulk.late {
+        0 => String::new(),
+        late => format!(" {late} more came since; they wait for the next time."),
+    };
+    format!("{count} suggestion{plural}, {expected}. {shown}, from {} on.{late}", percent(lowest))
 }
 
 /// How many are wrong, with the interval that holds in 95 of 100 cases.

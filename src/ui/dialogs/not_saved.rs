@@ -11,9 +11,9 @@ use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
-    let (title, does) = match leaving {
-        Leaving::Close => ("Quit without saving?", "Quit and lose edits"),
-        Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose edits"),
+    let (title, does, does_only) = match leaving {
+        Leaving::Close => ("Quit without saving?", "Quit and lose edits", "Quit"),
+        Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose edits", "Open"),
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
         let (what, does) = match &panel.app.session.saving {
@@ -26,10 +26,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
             }
             Saving::Pending => ("Your last edits are still being written to disk.".to_owned(), does),
             Saving::Untouched | Saving::Saved { .. } => (
-                "Another program changed the document. Your edits stay in its journal and are offered when you open it \
-                 again."
+                "Another program changed the document. Your version is kept beside it and is offered for merging when you open \
+                 it again."
                     .to_owned(),
-                "Quit",
+                does_only,
             ),
         };
         ui.add(Label::new(RichText::new(what).color(ui.palette().strong)).wrap());

@@ -45,7 +45,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     if session.masks {
         let done = keys.shown(Command::ShowMasks);
         return Some(format!(
-            "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} when done."
+            "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} or Esc when done."
         ));
     }
     if session.held.compare {
