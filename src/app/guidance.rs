@@ -134,7 +134,9 @@ fn only_labels_help(app: &App) -> bool {
 /// A picture that is not the one of the frame: whatever is done here is done to another moment.
 fn other_picture(app: &App) -> Option<Guidance> {
     app.other_picture(app.session.frame)?;
-    Some(Guidance::say("This is not the picture that was labelled. Put the right file in its place and open the project again."))
+    Some(Guidance::say(
+        "This is not the picture that was labelled. Put the right file in its place and open the project again.",
+    ))
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {

@@ -4,8 +4,7 @@ use super::sentence;
 use crate::document::Document;
 use crate::exchange::{
     DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, ImportOptions, Imported,
-    Joined,
-    export, import, join, plan_dataset, write_dataset,
+    Joined, export, import, join, plan_dataset, write_dataset,
 };
 use crate::media::ReadFrames;
 use crate::store;

@@ -144,7 +144,9 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
 fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
     let is_other = |name: &str| folder.join(name).exists() && !folder.join(TRUTH_FILE).is_file();
     match [PROJECT_FILE, "images"].into_iter().find(|name| is_other(name)) {
-        Some(name) => bail!("{} holds {name}, which was not drawn by this program; give another folder", folder.display()),
+        Some(name) => {
+            bail!("{} holds {name}, which was not drawn by this program; give another folder", folder.display())
+        }
         None => Ok(()),
     }
 }

@@ -84,7 +84,8 @@ pub(crate) fn resolved(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     for ancestor in path.ancestors() {
         if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
-            return real.join(rest);
+            // An empty rest would make a folder of a file.
+            return if rest.as_os_str().is_empty() { real } else { real.join(rest) };
         }
     }
     path

@@ -206,6 +206,20 @@ mod tests {
     use crate::exchange::tests::{awkward, exported, reference, text_of};
 
     #[test]
+    fn timecodes_of_two_videos_are_by_their_own_rates() {
+        let mut document = awkward();
+        for (index, frame) in document.frames.iter_mut().enumerate() {
+            let (video, rate, number) = if index < 6 { ("a.mp4", 25.0, 100) } else { ("b.mp4", 50.0, 200) };
+            let number = number + index as u64;
+            frame.video = Some(crate::document::VideoFrame::new(video, number, Some(number as f64 / rate)));
+        }
+        let text = text_of(&exported(&document, Format::Csv).files, "cameras.csv");
+        let table = Table::read(text.as_bytes()).unwrap();
+        let codes: Vec<String> = table.rows().filter_map(|row| row.text("timecode").map(ToOwned::to_owned)).collect();
+        assert_eq!((codes[0].as_str(), codes[6].as_str()), ("00:00:04:00", "00:00:04:06"));
+    }
+
+    #[test]
     fn the_homography_takes_pixels_to_the_pitch() {
         let mut document = reference();
         document.cameras[0].distortion = None;

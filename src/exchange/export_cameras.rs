@@ -183,7 +183,9 @@ fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
     let crown_m = field.crown_m;
     (crown_m != 0.0).then(|| {
         let off_px = crown_off_px(frames, field);
-        format!("not held: the crown of {crown_m:.2} m; on flat ground points of the field are up to {off_px:.1} px away")
+        format!(
+            "not held: the crown of {crown_m:.2} m; on flat ground points of the field are up to {off_px:.1} px away"
+        )
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::error::{ExchangeError, Problem};
 use crate::files::{
-    NotReadable, follow_link, folder_of, read_named, refuse_part_of_project, replace_folder, temporary_file_in,
+    NotReadable, folder_of, follow_link, read_named, refuse_part_of_project, replace_folder, temporary_file_in,
     temporary_folder_in,
 };
 use std::collections::BTreeMap;

@@ -141,10 +141,10 @@ impl Cameras<'_> {
 
     /// The camera of the document that takes pictures of a frame's size before the same field, else the frame's own.
     fn take_of_size(&mut self, frame: &Frame, document: &mut Document) -> CameraId {
-        let field = self.imported.camera(&frame.camera).map_or(&self.imported.field, |camera| field_of(camera, self.imported));
-        let is_alike = |camera: &Camera| {
-            camera.image_size == frame.image_size && field_of(camera, document).is_same_field(field)
-        };
+        let field =
+            self.imported.camera(&frame.camera).map_or(&self.imported.field, |camera| field_of(camera, self.imported));
+        let is_alike =
+            |camera: &Camera| camera.image_size == frame.image_size && field_of(camera, document).is_same_field(field);
         let alike = document.cameras.iter().find(|camera| is_alike(camera)).map(|camera| camera.id.clone());
         alike.unwrap_or_else(|| self.take(&frame.camera, document))
     }

@@ -337,8 +337,8 @@ impl CameraFormat for OpenTrackIo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::{Files, Format};
     use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::{Files, Format};
 
     #[test]
     fn what_changes_the_picture_and_is_not_read_is_named() {
@@ -357,7 +357,9 @@ mod tests {
         let first = sample["lens"]["distortion"][0].clone();
         sample["lens"]["distortion"] = json!([first, first]);
         let said = unread(&sample).concat();
-        for named in ["anamorphicSqueeze", "distortionOffset", "distortionOverscan", "version 0.9.2", "second distortion"] {
+        for named in
+            ["anamorphicSqueeze", "distortionOffset", "distortionOverscan", "version 0.9.2", "second distortion"]
+        {
             assert!(said.contains(named), "{named}: {said}");
         }
     }

@@ -40,8 +40,7 @@ pub fn fit_to_picture(frame: &FrameCamera, picture: ImageSize, source: SizeSourc
 
 fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
     let principal_point = frame.pinhole().map(|pinhole| pinhole.principal_point);
-    principal_point
-        .is_some_and(|point| point.distance_px(picture.centre()) <= OFF_CENTRE * f64::from(picture.width))
+    principal_point.is_some_and(|point| point.distance_px(picture.centre()) <= OFF_CENTRE * f64::from(picture.width))
 }
 
 fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera {

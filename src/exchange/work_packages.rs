@@ -73,8 +73,13 @@ pub fn restore_version(base: DocumentAt<'_>, version: &Document) -> Result<Docum
 
 fn refuse_outside(at: DocumentAt<'_>) -> Result<(), ExchangeError> {
     let places = OwnPlaces::from_project(at.folder);
-    let outside: Vec<PathBuf> =
-        at.document.frames.iter().flat_map(|frame| files_of(frame, at.folder)).filter(|file| !places.hold(file)).collect();
+    let outside: Vec<PathBuf> = at
+        .document
+        .frames
+        .iter()
+        .flat_map(|frame| files_of(frame, at.folder))
+        .filter(|file| !places.hold(file))
+        .collect();
     match outside.first() {
         Some(first) => Err(ExchangeError::Outside { count: outside.len(), first: first.clone() }),
         None => Ok(()),

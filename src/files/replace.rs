@@ -254,7 +254,8 @@ mod tests {
 
     #[test]
     fn what_a_project_keeps_is_known_by_its_name() {
-        let (place, _new) = place(&["doc.json", "doc.json.journal", "project.json.bak", "own.journal", "project.jsonl"]);
+        let (place, _new) =
+            place(&["doc.json", "doc.json.journal", "project.json.bak", "own.journal", "project.jsonl"]);
         let is_refused = |name: &str| refuse_part_of_project(&place.path().join("out").join(name)).is_err();
         let refused = ["doc.json.journal", "project.json.bak", "doc.json", "own.journal", "project.jsonl", "missing"];
         assert_eq!(refused.map(is_refused), [true, true, false, false, false, false]);

@@ -103,7 +103,9 @@ fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
 fn find_project(path: &Path) -> Option<PathBuf> {
     let is_there = |folder: &PathBuf| folder.join(PROJECT_FILE).exists();
     let own = user_projects().into_iter().flat_map(|projects| [own_place(&projects, path), old_place(&projects, path)]);
-    beside(path).filter(is_there).or_else(|| own.into_iter().find(|folder| is_there(folder) && is_of_frames(folder, path)))
+    beside(path)
+        .filter(is_there)
+        .or_else(|| own.into_iter().find(|folder| is_there(folder) && is_of_frames(folder, path)))
 }
 
 /// Where the project of a folder of frames or of a video is made, the better place first.

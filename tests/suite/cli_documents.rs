@@ -283,7 +283,10 @@ fn a_field_of_the_users_own_is_found_from_where_the_document_lies() {
     fs::create_dir(folder.path().join("labels")).unwrap();
     clicked_document(folder.path(), &[2]);
     assert_eq!(touchline(folder.path(), "export doc.json --format labelme -o labels/out").code, 0);
-    let ran = touchline(folder.path(), "import labels/out --format labelme --field mine.json --size 1280x720 -o deep/doc.json");
+    let ran = touchline(
+        folder.path(),
+        "import labels/out --format labelme --field mine.json --size 1280x720 -o deep/doc.json",
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let (location, imported, _) = read(&folder.path().join("deep/doc.json")).unwrap();
     imported.field.model(location.folder()).unwrap();

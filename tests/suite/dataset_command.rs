@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    document_to_string,
+    Camera, Click, Clip, Document, Extra, FieldSpec, Frame, FramePtz, FrameStatus, Shot, ShotEnd, ShotKind, Solution,
+    SolutionSource, VideoFrame, document_to_string,
 };
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
@@ -285,6 +285,31 @@ fn pictures_from_outside_of_the_project_are_asked_for() {
     // What is only named is not taken along.
     let ran = touchline(&project, "export doc.json --dataset named --images none");
     assert!(ran.stderr.contains("12 frames and 0 pictures in named"), "{}", ran.stderr);
+}
+
+#[test]
+fn shots_of_another_video_stay_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document(folder.path());
+    document.cameras.push(Camera { id: "second".into(), ..(*document.cameras[0]).clone() }.into());
+    for (index, frame) in document.frames.iter_mut().enumerate() {
+        let (video, camera) = if index < 6 { ("a.mp4", "main") } else { ("b.mp4", "second") };
+        frame.video = Some(VideoFrame::new(video, index as u64, None));
+        (frame.image, frame.camera) = (None, camera.into());
+    }
+    // Bare numbers count in the first video.
+    let ends = |from, to| (ShotEnd::VideoFrame(from), ShotEnd::VideoFrame(to));
+    for (from, to) in [ends(0, 2), ends(3, 5)] {
+        document.shots.push(Shot { from, to, camera: None, kind: ShotKind::Cut, extra: Extra::new() });
+    }
+    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    for (camera, shots) in [("main", 2), ("second", 0)] {
+        let ran =
+            touchline(folder.path(), &format!("export doc.json --dataset {camera} --camera {camera} --images none"));
+        assert!(ran.code < 2, "{}", ran.stderr);
+        let (_, dataset, _) = read(&folder.path().join(camera).join("dataset.json")).unwrap();
+        assert_eq!(dataset.shots.len(), shots, "{camera}");
+    }
 }
 
 #[test]

@@ -28,9 +28,11 @@ fn packages_come_back_with_what_was_done_in_them() {
     let ran = touchline(place.path(), "split match --frames 2 -o work");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(ran.stderr.contains("5 frames in 3 packages in work"), "{}", ran.stderr);
-    for (package, frame, landmark) in
-        [("work/package001", 1, "centre_mark"), ("work/package002", 0, "halfway_far"), ("work/package003", 0, "halfway_near")]
-    {
+    for (package, frame, landmark) in [
+        ("work/package001", 1, "centre_mark"),
+        ("work/package002", 0, "halfway_far"),
+        ("work/package003", 0, "halfway_near"),
+    ] {
         let check = touchline(place.path(), &format!("check {package}"));
         assert_eq!(check.code, 0, "a package is whole by itself: {}", check.stdout);
         click(&at(package), frame, landmark);
@@ -68,7 +70,11 @@ fn what_two_people_did_differently_is_listed_and_neither_is_lost() {
     click(&at("match/b.json"), 2, "halfway_near");
     let ran = touchline(place.path(), "merge match match/a.json match/b.json -o match/merged.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("images/0002.jpg: match/b.json has it otherwise; what came before it stays"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("images/0002.jpg: match/b.json has it otherwise; what came before it stays"),
+        "{}",
+        ran.stderr
+    );
     let merged = document(&at("match/merged.json"));
     let landmark = |document: &Document, frame: usize| document.frames[frame].clicks[0].target.clone().unwrap();
     assert_eq!((landmark(&merged, 1).as_str(), landmark(&merged, 2).as_str()), ("centre_mark", "halfway_near"));

@@ -47,7 +47,8 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
             if path.is_dir() {
                 open.push(path);
             } else {
-                found.insert(path.strip_prefix(folder).unwrap().to_string_lossy().into_owned(), fs::read(path).unwrap());
+                found
+                    .insert(path.strip_prefix(folder).unwrap().to_string_lossy().into_owned(), fs::read(path).unwrap());
             }
         }
     }
@@ -72,7 +73,9 @@ fn assert_nothing_lost(folder: &Path, victim: &str, command: &str) {
 fn an_export_of_every_format_leaves_what_it_did_not_write() {
     let folder = drawn_match();
     for format in Format::ALL.into_iter().filter(|format| format.exports()) {
-        for takes in ["", "--takes"] {
+        // Takes make folders of what is one file; one such format stands for all.
+        let takes: &[&str] = if format == Format::Csv { &["", "--takes"] } else { &[""] };
+        for takes in takes {
             let export = format!("export match/truth.json --format {format} {OPTIONS} {takes} --force -o");
             for victim in VICTIMS {
                 assert_nothing_lost(folder.path(), victim, &format!("{export} {victim}"));
@@ -113,7 +116,6 @@ fn every_other_command_leaves_what_it_did_not_write() {
         "split match --frames 2 -o TO",
         "import match/truth.json --format json -o TO --force",
         "evaluate match/truth.json match/truth.json --report TO --force",
-        "experiment descriptors --quick -o TO --force",
         "fields soccer --render TO --force",
         "render match/truth.json --frame 0 -o TO --force",
     ] {

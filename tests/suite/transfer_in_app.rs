@@ -209,19 +209,24 @@ fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
 #[test]
 fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
     let folder = tempfile::tempdir().unwrap();
-    let mut headless = opened(folder.path());
+    let headless = opened(folder.path());
     let mut document = (*headless.app.open().unwrap().document).clone();
     for frame in &mut document.frames {
         frame.sha256 = touchline::media::sha256_of_file(&frame.image_path(folder.path()).unwrap()).ok();
     }
     drop(headless);
     std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
-    image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([9, 9, 9])).save(folder.path().join("0001.png")).unwrap();
+    image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([9, 9, 9]))
+        .save(folder.path().join("0001.png"))
+        .unwrap();
     let mut headless = Headless::opened(folder.path());
     headless.wait_until("comparing", |app| app.other_picture(1).is_some());
     assert!(headless.app.other_picture(1).unwrap().starts_with("the image changed since it was labelled"));
     headless.wait_until("the notice", |app| {
-        app.session.notices.iter().any(|notice| notice.text == "The picture of 0001.png is not the one that was labelled.")
+        app.session
+            .notices
+            .iter()
+            .any(|notice| notice.text == "The picture of 0001.png is not the one that was labelled.")
     });
     assert_eq!([0, 2, 3].map(|index| headless.app.other_picture(index)), [None; 3]);
 }

@@ -103,6 +103,6 @@ mod tests {
         assert_eq!(codes(there, view, 50.0), ["no_such_lens"]);
         // A close-up of a corner, and a wide lens that bends.
         assert_eq!(codes(there, (40.0, -12.0, 30_000.0), 0.0), [""; 0]);
-        assert_eq!(codes(there, (0.0, -20.0, 900.0), -0.25), [""; 0]);
+        assert_eq!(codes(there, (0.0, -14.0, 1400.0), -0.15), [""; 0]);
     }
 }

@@ -1,11 +1,15 @@
 //! The dataset that another one replaces: which of its files the program wrote.
 
-use super::write::{DOCUMENT, MANIFEST};
 use crate::exchange::error::ExchangeError;
 use crate::media::sha256_of_file;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+
+/// What marks a folder as a dataset; every other file stands in it.
+pub const MANIFEST: &str = "manifest.sha256";
+/// The document of a dataset.
+pub const DOCUMENT: &str = "dataset.json";
 
 /// The files of an earlier dataset with their SHA-256, as its manifest lists them.
 #[derive(Default)]

@@ -5,7 +5,7 @@
 
 use crate::document::resolved;
 use crate::files::PROJECT_SUFFIX;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Where a project's own pictures lie.
 pub struct OwnPlaces(Vec<PathBuf>);
@@ -20,10 +20,11 @@ impl OwnPlaces {
         Self(std::iter::once(folder).chain(frames).collect())
     }
 
-    /// Whether a file lies in one of them, links followed.
+    /// Whether a file lies in one of them, links followed. Of one that is not there nobody knows where `..` leads.
     pub fn hold(&self, file: &Path) -> bool {
         let file = resolved(file);
-        self.0.iter().any(|place| file.starts_with(place))
+        let leads_up = file.components().any(|part| part == Component::ParentDir);
+        !leads_up && self.0.iter().any(|place| file.starts_with(place))
     }
 }
 

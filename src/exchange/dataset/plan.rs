@@ -122,9 +122,14 @@ pub fn plan_dataset(at: DocumentAt<'_>, options: &DatasetOptions) -> Result<Data
     let own_places = OwnPlaces::from_project(at.folder);
     for frame in at.document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
         match planned(at, frame, options) {
-            Ok((planned, _)) if !options.outside && planned.takes_picture() && !own_places.hold(planned.source.file()) => {
+            Ok((planned, _))
+                if !options.outside && planned.takes_picture() && !own_places.hold(planned.source.file()) =>
+            {
                 let file = planned.source.file().display();
-                left_out.push((frame.name(), format!("its picture {file} lies outside of the project; --outside-pictures takes it too")));
+                left_out.push((
+                    frame.name(),
+                    format!("its picture {file} lies outside of the project; --outside-pictures takes it too"),
+                ));
             }
             Ok((planned, size)) => {
                 bytes += size;

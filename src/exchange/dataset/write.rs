@@ -4,7 +4,7 @@ use super::card::{Card, card};
 use super::done::DatasetDone;
 use super::field_lines::fields_json;
 use super::frames_table::frames_table;
-use super::old_dataset::OldDataset;
+use super::old_dataset::{DOCUMENT, MANIFEST, OldDataset};
 use super::options::{DatasetOptions, Pictures};
 use super::pictures::{Folder, encoded};
 use super::plan::{DatasetPlan, PlannedFrame, Source, other_size};
@@ -15,16 +15,12 @@ use crate::document::{
     Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string, resolved,
 };
 use crate::exchange::error::ExchangeError;
-use crate::files::{follow_link, folder_of, refuse_other_files, replace_folder, temporary_folder_in};
+use crate::files::{folder_of, follow_link, refuse_other_files, replace_folder, temporary_folder_in};
 use crate::media::{Picture, ReadFrames, sha256_of_file};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// What marks a folder as a dataset; every other file stands in it.
-pub(super) const MANIFEST: &str = "manifest.sha256";
-/// The document of a dataset.
-pub(super) const DOCUMENT: &str = "dataset.json";
 /// The files that every dataset has.
 const ALWAYS_WRITTEN: [&str; 7] =
     [DOCUMENT, MANIFEST, "README.md", "frames.csv", "fields.json", "schema.json", "touchline_dataset.py"];
