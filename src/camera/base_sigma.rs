@@ -131,10 +131,16 @@ impl BaseSigma {
     pub fn following_position(&self, error_m: Vec3) -> SharedError {
         let covariance = self.covariance();
         let of_position: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
-        let mut error = of_position
-            .try_inverse()
-            .filter(|inverse| inverse.iter().all(|value| value.is_finite()))
-            .map_or_else(SharedError::zeros, |inverse| covariance.fixed_columns::<3>(0) * (inverse * error_m));
+        let mut error = SharedError::zeros();
+        if of_position.iter().all(|value| value.is_finite()) {
+            // The inverse where the position has three directions, else that of those it has.
+            let eigen = of_position.symmetric_eigen();
+            let least = 1e-12 * eigen.eigenvalues.max();
+            let inverse = |value: f64| if value > least { value.recip() } else { 0.0 };
+            let inverse = Matrix3::from_diagonal(&eigen.eigenvalues.map(inverse));
+            let cause = eigen.eigenvectors * inverse * eigen.eigenvectors.transpose() * error_m;
+            error = covariance.fixed_columns::<3>(0) * cause;
+        }
         error.fixed_rows_mut::<3>(0).copy_from(&error_m);
         error
     }

@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn parts_of_the_frames_say_how_sure_all_of_them_are() {
         let halves = apart_of(&[Some(10.0), Some(10.4), Some(10.2), Some(10.6)], 2).unwrap();
-        assert!((halves.x - 0.4).abs() < 1e-9 && halves.y == 0.0, "{halves}");
+        assert!((halves.x + 0.4).abs() < 1e-9 && halves.y == 0.0, "{halves}");
         // Of three frames one at a time is left out: the mean of .1, .2 and .6 is sure to .1528, their standard error.
         let three = apart_of(&[Some(10.1), Some(10.2), None, Some(10.6)], 2).unwrap();
         assert!((three.x - 2.0 * (0.07_f64 / 3.0).sqrt()).abs() < 1e-9, "{three}");
