@@ -27,6 +27,7 @@ const BETWEEN_STOPS: usize = 16;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
 #[derive(clap::Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct RelocalizeArgs {
     /// The forest that `touchline train` wrote.
     #[arg(value_name = "FOREST")]
@@ -53,7 +54,7 @@ pub struct RelocalizeArgs {
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
-    /// Also write how long each frame took (solution.timings_ms). Two runs then differ in these numbers.
+    /// Also write how long each frame took (`solution.timings_ms`). Two runs then differ in these numbers.
     #[arg(long)]
     timings: bool,
     /// The seed of all random numbers; the same seed gives the same answers.

@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn an_element_of_a_hundred_thousand_attributes_is_refused_at_once() {
-        let many = |count: usize| (0..count).map(|index| format!(" a{index}='>='")).collect::<String>();
+        let many = |count: usize| (0..count).map(|index| format!(" a{index}='>='")).collect::<Vec<_>>().concat();
         let with = |attributes: String| GOOD.replacen("<image ", &format!("<!-- don't = --><image{attributes} "), 1);
         assert!(read(&with(many(90))).is_ok());
         let error = read(&with(many(100_000))).unwrap_err();

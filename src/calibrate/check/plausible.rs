@@ -2,7 +2,7 @@
 //! come with imported files and by numbers set manually; every number of them is finite, and no click need disagree.
 
 use super::fault::Fault;
-use crate::camera::PtzCamera;
+use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Camera, Document, Frame};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize};
@@ -20,7 +20,7 @@ const GRID: u32 = 12;
 
 /// What is implausible about a camera's place.
 pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
-    let Some(base) = camera.base().filter(|base| base.is_finite()) else { return };
+    let Some(base) = camera.base().filter(CameraBase::is_finite) else { return };
     if base.position_m.z <= 0.0 {
         problem(Fault::UnderGround { z_m: base.position_m.z });
     }
@@ -66,7 +66,7 @@ fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool 
 mod tests {
     use super::*;
     use crate::calibrate::check_values;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::camera::{BaseAngles, FocalCurve, Ptz};
     use crate::document::{FieldSpec, FramePtz};
     use crate::geometry::Vec3;
     use std::path::Path;
