@@ -58,6 +58,7 @@ pub fn next_step(app: &App) -> Guidance {
     begun(app)
         .or_else(|| estimated(app))
         .or_else(|| app.session.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line.")))
+        .or_else(|| other_picture(app))
         .or_else(|| unnamed(frame))
         .or_else(|| no_base(app, frame).filter(|_| frame.status == FrameStatus::Reference))
         .or_else(|| settled(app, frame))
@@ -128,6 +129,14 @@ fn of_reference(app: &App) -> String {
 /// Whether all that is to do are frames without an answer: a label elsewhere helps more than going through them.
 fn only_labels_help(app: &App) -> bool {
     app.open().is_some_and(|open| open.counts().to_do == open.counts().unanswered)
+}
+
+/// A picture that is not the one of the frame: whatever is done here is done to another moment.
+fn other_picture(app: &App) -> Option<Guidance> {
+    app.other_picture(app.session.frame)?;
+    Some(Guidance::say(
+        "This is not the picture that was labelled. Put the right file in its place and open the project again.",
+    ))
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {

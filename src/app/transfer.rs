@@ -3,12 +3,13 @@
 use super::sentence;
 use crate::document::Document;
 use crate::exchange::{
-    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, ImportOptions, Joined,
-    export, import, join, plan_dataset, write_dataset,
+    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, ImportOptions, Imported,
+    Joined, export, import, join, plan_dataset, write_dataset,
 };
 use crate::media::ReadFrames;
+use crate::store;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The pages of the dialog.
@@ -70,6 +71,8 @@ impl Default for Transfer {
 pub struct UnderWay {
     /// Which order.
     pub ticket: u64,
+    /// The revision of the document that it was given.
+    pub revision: u64,
     /// A dataset or file is being written; otherwise it only looks.
     pub writes: bool,
     /// How many of how many pictures are done, where that is known.
@@ -79,7 +82,7 @@ pub struct UnderWay {
 /// What was found, for the document of a revision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The document's revision then.
+    /// The revision of the document that was looked at. A change since the order, also one from the background, makes it out of date.
     pub revision: u64,
     /// What.
     pub look: Look,
@@ -227,16 +230,19 @@ impl TransferOrder {
                 looked(Look::Dataset(plan_dataset(at, options).map(Arc::new).map_err(|error| said(&error))))
             }
             TransferWork::Import { from, format, options } => {
-                let imported = import(from, *format, options);
-                let joined = imported.map(|imported| Arc::new(join(at, &imported)));
-                looked(Look::Import(joined.map_err(|error| said(&error))))
+                let imported = read_import(from, *format, options);
+                looked(Look::Import(imported.map(|imported| Arc::new(join(at, &imported)))))
             }
             TransferWork::WriteExport { format, options, made, to } => {
-                let write = || {
+                let mut write = || {
                     let exported = match made {
                         Some(made) => Arc::clone(made),
                         None => Arc::new(export(at, *format, options)?),
                     };
+                    // It was made without a look at the button.
+                    if watch(0, 1).is_break() {
+                        return Err(ExchangeError::Stopped);
+                    }
                     // The file dialog has asked before a file is replaced; a folder never is.
                     exported.write(to, !exported.is_folder())?;
                     Ok(format!("{} frames written as {format}: {}", exported.frames, to.display()))
@@ -262,9 +268,21 @@ impl TransferOrder {
     }
 }
 
+/// Reads foreign files, or a document with what its journal holds; an error is one line.
+fn read_import(from: &Path, format: Format, options: &ImportOptions) -> Result<Imported, String> {
+    if format != Format::Json {
+        return import(from, format, options).map_err(|error| said(&error));
+    }
+    let (location, document, recovery) = store::read(from).map_err(|error| sentence(&error.to_string()))?;
+    let notes = recovery.message().into_iter().collect();
+    Ok(Imported { document, folder: location.folder().to_path_buf(), notes })
+}
+
 /// Options of the command line, and what they are called in the dialog. The longer of two that begin alike comes first.
-const OPTIONS: [(&str, &str); 17] = [
+const OPTIONS: [(&str, &str); 21] = [
     ("give a --map file with them, or --skip-unmapped", "choose what labels are, or leave out others"),
+    (" (--images FOLDER)", ""),
+    ("; --size WIDTHxHEIGHT gives another", ""),
     ("--size WIDTHxHEIGHT or --images FOLDER", "the picture size"),
     ("--size WIDTHxHEIGHT", "the picture size"),
     ("given by --size", "given as picture size"),
@@ -277,6 +295,8 @@ const OPTIONS: [(&str, &str); 17] = [
     ("--perspective", "the perspective"),
     ("choose one with --camera", "choose one"),
     ("--split-by ", "divided by "),
+    ("; --outside-pictures takes it too", ""),
+    ("; --outside-pictures copies them too", ""),
     ("; --set length_m=… and width_m=… give another", ""),
     (" (--outside keep)", ""),
     (" (--images copy)", ""),

@@ -37,7 +37,7 @@ pub use bulk::{
 };
 pub(crate) use calibration::solved_neighbours;
 pub use calibration::{CalibrationError, calibrate, observations};
-pub use check::{Fault, Problem, check_cameras, check_pictures, check_still_runs, check_values};
+pub use check::{Fault, PictureCheck, Problem, check_cameras, check_pictures, check_still_runs, check_values};
 pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
     TrackedClip, TrackedFrame, WatchClip, clips, record_tracked, track_clip,

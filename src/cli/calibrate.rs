@@ -15,7 +15,7 @@ use crate::media::{FrameReader, FrameSource};
 use crate::proposals::{PictureError, read_picture};
 use crate::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
 use crate::store::Location;
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, ensure};
 use image::DynamicImage;
 use std::collections::BTreeSet;
 use std::io::Cursor;
@@ -59,7 +59,7 @@ pub struct CalibrateArgs {
 /// Carries out the command.
 ///
 /// # Errors
-/// The folder exists, the field is not valid, the frames cannot be read, or no camera is found with certainty.
+/// The folder exists, the field is not valid, the frames cannot be read, or the result cannot be written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     ensure!(
@@ -96,9 +96,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let found = match found {
         UnclickedAnswer::Found(found) => found,
         UnclickedAnswer::Two { best, other, deciding } => {
-            bail!("{}: {}", args.frames.display(), two_answers(&document, &best, &other, deciding.as_ref()))
+            return Ok(say_no_answer(args, &two_answers(&document, &best, &other, deciding.as_ref()), messages));
         }
-        UnclickedAnswer::Abstained(why) => bail!("{}: {why}", args.frames.display()),
+        UnclickedAnswer::Abstained(why) => return Ok(say_no_answer(args, &why.to_string(), messages)),
     };
     record_found(&mut document, &camera, &found);
     say(&found, messages);
@@ -123,6 +123,12 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         }
     }
     Ok(if made.left_out.is_empty() && rest.1 == 0 { Outcome::Done } else { Outcome::SomeFailed })
+}
+
+/// Says why no camera is found. Nothing is wrong with the input or its use: nothing is written, and the exit code is 1.
+fn say_no_answer(args: &CalibrateArgs, why: &str, messages: Messages) -> Outcome {
+    messages.error(&format!("{}: {why}", args.frames.display()));
+    Outcome::SomeFailed
 }
 
 /// The camera that was found, and those of the frames that hang together with none of its frames: each becomes a camera of its own,

@@ -6,6 +6,7 @@ use super::messages::Messages;
 use super::output::print;
 use crate::calibrate::{Problem, check_cameras, check_pictures, check_still_runs, check_values};
 use crate::document::Document;
+use crate::files::plain;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -40,7 +41,7 @@ fn text(document: &Document, problems: &[Problem]) -> String {
     let mut text = String::new();
     for problem in problems {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{problem}");
+        let _ = writeln!(text, "{}", plain(&problem.to_string()));
     }
     let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let clicks = document.frames.iter().map(|frame| frame.clicks.len()).sum();

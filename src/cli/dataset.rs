@@ -26,6 +26,9 @@ pub struct DatasetArgs {
     /// How decoded pictures are written.
     #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
     image_format: String,
+    /// Take pictures that lie outside of the project's folder too. They are listed; a project from somebody else may name any file.
+    #[arg(long, requires = "dataset")]
+    outside_pictures: bool,
     /// Shares of training, validation and test, such as 80/10/10; without it there are no splits.
     #[arg(long, value_name = "SHARES", value_parser = parse_shares, requires = "dataset")]
     split: Option<[u32; 3]>,
@@ -70,6 +73,7 @@ impl DatasetArgs {
             pictures: Pictures::ALL.into_iter().find(|images| images.name() == self.images).unwrap_or_default(),
             picture_format: if self.image_format.starts_with("jp") { PictureFormat::Jpeg } else { PictureFormat::Png },
             undistorted,
+            outside: self.outside_pictures,
             splitting: self.split.map(|shares| Splitting { shares, by, seed: self.seed }),
             licence: self.licence.clone(),
         }

@@ -1,7 +1,7 @@
 //! Documents as commands take and give them.
 
 use super::messages::Messages;
-use super::output::{print, refuse_existing};
+use super::output::{is_pipe_or_device, print, refuse_existing, write_file};
 use crate::document::Document;
 use crate::store::Location;
 use anyhow::bail;
@@ -75,11 +75,16 @@ impl DocumentOutput {
     /// # Errors
     /// Something is there already, or it cannot be written; nothing was changed then.
     pub fn write(&self, document: Document, folder: &Path) -> anyhow::Result<()> {
-        let Some(path) = &self.output else {
+        let file = self.output.as_deref().filter(|path| !is_pipe_or_device(path));
+        let Some(path) = file else {
             let here = std::env::current_dir()?;
             let document = document.relocated(folder, &here);
             refuse_unwritable(&document, &here)?;
-            return print(&crate::document::document_to_string(&document)?);
+            let text = crate::document::document_to_string(&document)?;
+            return match &self.output {
+                Some(pipe) => write_file(pipe, text.as_bytes(), self.force),
+                None => print(&text),
+            };
         };
         refuse_existing(path, self.force)?;
         let location = Location::for_new_document(path)?;

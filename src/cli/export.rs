@@ -238,13 +238,15 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     for (frame, why) in &exported.left_out {
         messages.frame_failed(frame, why);
     }
-    match &args.output.output {
-        Some(path) => {
+    match (exported.dataset(), &args.output.output) {
+        // A document goes where documents go: with its backup, its lock, and paths that lead to the same files.
+        (Some((dataset, folder)), _) => args.output.write(dataset.clone(), folder)?,
+        (None, Some(path)) => {
             refuse_existing(path, args.output.force)?;
             exported.write(path, args.output.force)?;
         }
-        None if exported.is_folder() => bail!("{format} makes a folder; name it with -o"),
-        None => {
+        (None, None) if exported.is_folder() => bail!("{format} makes a folder; name it with -o"),
+        (None, None) => {
             let bytes = exported.files.sorted().first().map_or(&[][..], |(_, bytes)| bytes);
             print(std::str::from_utf8(bytes).context("the format is no text; name a file with -o")?)?;
         }

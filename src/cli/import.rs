@@ -1,12 +1,11 @@
 //! `touchline import`: a document of foreign files.
 
 use super::Outcome;
-use super::document::DocumentOutput;
+use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
 use super::messages::Messages;
-use super::new::parameter;
-use crate::document::FieldSpec;
-use crate::exchange::{Format, ImportOptions, LabelMap, Pixels, import as import_document};
+use super::new::{parameter, read_field};
+use crate::exchange::{Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document};
 use crate::files::read_named_text;
 use crate::geometry::ImageSize;
 use anyhow::Context as _;
@@ -75,11 +74,8 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 /// The files cannot be read or are damaged, or the document cannot be written.
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let mut field = FieldSpec::new(&args.field);
-    field.params.extend(args.set.iter().cloned());
-    field.model(&std::env::current_dir()?)?;
     let options = ImportOptions {
-        field,
+        field: read_field(&args.field, &args.set)?,
         images: args.images.clone(),
         size: args.size,
         pixels: args.pixels.as_deref().map(|pixels| if pixels == "centre" { Pixels::Centre } else { Pixels::Corner }),
@@ -89,7 +85,14 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         sensor_width_mm: args.sensor_mm,
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
     };
-    let imported = import_document(&args.path, args.format, &options)?;
+    let imported = match args.format {
+        // A document has a journal beside it.
+        Format::Json => {
+            let Loaded { location, document } = DocumentArg { document: args.path.clone() }.load(messages)?;
+            Imported { document, folder: location.folder().to_path_buf(), notes: Vec::new() }
+        }
+        format => import_document(&args.path, format, &options)?,
+    };
     for note in &imported.notes {
         messages.note(note);
     }

@@ -15,6 +15,7 @@ mod features;
 mod fields;
 mod import;
 mod interrupt;
+mod merge;
 mod messages;
 mod new;
 mod other_cameras;
@@ -25,6 +26,7 @@ mod render;
 mod rest;
 mod snap;
 mod solve;
+mod split;
 mod synth;
 mod track;
 mod train;
@@ -56,12 +58,14 @@ enum Command {
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
     Import(import::ImportArgs),
+    Merge(merge::MergeArgs),
     New(new::NewArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
     Snap(snap::SnapArgs),
     Solve(solve::SolveArgs),
+    Split(split::SplitArgs),
     Synth(synth::SynthArgs),
     Track(track::TrackArgs),
     Train(train::TrainArgs),
@@ -109,12 +113,14 @@ pub fn run() -> Next {
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::Import(args) => import::import(&args, messages),
+        Command::Merge(args) => merge::merge(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => render::render(&args, messages),
         Command::Snap(args) => snap::snap(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
+        Command::Split(args) => split::split(&args, messages),
         Command::Synth(args) => synth::synth(&args, messages),
         Command::Track(args) => track::track(&args, messages),
         Command::Train(args) => train::train(&args, messages),

@@ -53,7 +53,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
         "{} is a file; give a folder for the project",
         args.folder.display()
     );
-    let field = field(args)?;
+    let field = read_field(&args.field, &args.set)?;
     let source = FrameSource::open(&args.frames)?;
     for notice in source.notices() {
         messages.note(&notice.to_string());
@@ -79,13 +79,16 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
 }
 
 /// The field as asked for; a template file's path is made absolute, as it is given relative to the working directory.
-fn field(args: &NewArgs) -> anyhow::Result<FieldSpec> {
-    let mut field = FieldSpec::new(&args.field);
+///
+/// # Errors
+/// There is no such template, or it does not take a parameter.
+pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Result<FieldSpec> {
+    let mut field = FieldSpec::new(template);
     if field.is_file() {
-        let path = std::path::absolute(&args.field)?;
+        let path = std::path::absolute(template)?;
         path.to_str().context("the template's path is not UTF-8; rename it")?.clone_into(&mut field.template);
     }
-    field.params = args.set.iter().cloned().collect();
+    field.params = params.iter().cloned().collect();
     field.model(Path::new(""))?;
     Ok(field)
 }

@@ -1,7 +1,7 @@
 //! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
 //! pipes and devices are written through.
 
-use crate::files::{remove_stray_files, temporary_file_in, way_out};
+use crate::files::{refuse_part_of_project, remove_stray_files, temporary_file_in, way_out};
 use crate::store::{write_new, write_output};
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
@@ -12,13 +12,12 @@ use std::path::Path;
 /// # Errors
 /// Something is there, or the folder takes no file.
 pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
-    let there = std::fs::metadata(path);
-    if !force && there.is_ok() && !is_empty_folder(path) {
-        bail!("{} already exists; give --force to replace it, or another -o", path.display());
-    }
-    if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        // A pipe or a device: nothing is made beside it.
+    if is_pipe_or_device(path) {
+        // Nothing is replaced, and nothing is made beside it.
         return Ok(());
+    }
+    if !force && path.exists() && !is_empty_folder(path) {
+        bail!("{} already exists; give --force to replace it, or another -o", path.display());
     }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     // Folders that are missing are made; what holds them must take them.
@@ -28,6 +27,11 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
         let (path, folder, way_out) = (path.display(), folder.display(), way_out(&error));
         anyhow!("cannot write {path}: nothing can be made in {folder}: {error}{way_out}")
     })
+}
+
+/// Whether results go through a path, as `/dev/stdout` before a pipe, and replace nothing.
+pub fn is_pipe_or_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
 /// An empty folder counts as absent.
@@ -50,9 +54,11 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// Writes a result.
 ///
 /// # Errors
-/// Something is there already and `force` was not given, or the file cannot be written; nothing was changed then.
+/// Something is there already and `force` was not given, a project keeps it, or the file cannot be written; nothing was changed
+/// then.
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
+    refuse_part_of_project(path)?;
     let is_new = !force && std::fs::symlink_metadata(path).is_err();
     let written = if is_new { write_new(path, bytes) } else { write_output(path, bytes) };
     if written.as_ref().is_err_and(|error| error.kind() == std::io::ErrorKind::AlreadyExists) {

@@ -27,6 +27,7 @@ const BETWEEN_STOPS: usize = 16;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
 #[derive(clap::Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct RelocalizeArgs {
     /// The forest that `touchline train` wrote.
     #[arg(value_name = "FOREST")]
@@ -53,6 +54,9 @@ pub struct RelocalizeArgs {
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
+    /// Also write how long each frame took (`solution.timings_ms`). Two runs then differ in these numbers.
+    #[arg(long)]
+    timings: bool,
     /// The seed of all random numbers; the same seed gives the same answers.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -115,6 +119,11 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     for proposal in proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };
         proposal.record(frame);
+        if !args.timings
+            && let Some(solution) = &mut frame.solution
+        {
+            solution.timings_ms = None;
+        }
         match &proposal.outcome {
             Ok(_) => answered += 1,
             Err(reason) => messages.frame_failed(&frame.name(), &reason.to_string()),

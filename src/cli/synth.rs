@@ -6,11 +6,11 @@ use super::output::{refuse_existing, write_file};
 use crate::document::document_to_string;
 use crate::geometry::ImageSize;
 use crate::jobs::{DrawnPicture, MatchOrder, draw_match};
-use crate::store::{Location, write_document};
+use crate::store::{Location, PROJECT_FILE, write_document};
 use crate::synthetic::{Graphics, Preset, ShootOptions};
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The file beside the project that holds what is true.
 const TRUTH_FILE: &str = "truth.json";
@@ -58,7 +58,7 @@ pub struct SynthArgs {
     /// Draw the demo project that comes with the program: a third of its frames are solved references.
     #[arg(long, conflicts_with_all = ["frames", "seed", "preset", "quality", "step", "size", "masks", "graphics", "unmasked"])]
     demo: bool,
-    /// Replace files that exist; files of other names stay.
+    /// Draw over an earlier match; files of other names stay.
     #[arg(long)]
     force: bool,
 }
@@ -118,6 +118,7 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         "{} is a file; give a folder for the match",
         args.output.display()
     );
+    refuse_other_project(&args.output)?;
     let order = order_of(args);
     fs::create_dir_all(args.output.join("images")).with_context(|| format!("cannot make {}", args.output.display()))?;
     let progress = messages.progress(order.frames, "Drawing frames");
@@ -137,6 +138,17 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     write_document(&location, &drawn.project, args.force)?;
     messages.note(&format!("{}: {} frames, the truth in {TRUTH_FILE}", location.file().display(), order.frames));
     Ok(Outcome::Done)
+}
+
+/// Refuses a folder with a project that was not drawn here: its pictures have the names that a drawn match gives its own.
+fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
+    let is_other = |name: &str| folder.join(name).exists() && !folder.join(TRUTH_FILE).is_file();
+    match [PROJECT_FILE, "images"].into_iter().find(|name| is_other(name)) {
+        Some(name) => {
+            bail!("{} holds {name}, which was not drawn by this program; give another folder", folder.display())
+        }
+        None => Ok(()),
+    }
 }
 
 fn image_size(text: &str) -> Result<ImageSize, String> {

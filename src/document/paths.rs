@@ -59,10 +59,10 @@ fn relocate(path: &str, from_folder: &Path, to_folder: &Path) -> Option<String> 
     (!is_absolute(path)).then(|| path_between(to_folder, &from_folder.join(path)))
 }
 
-/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`.
+/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`. A file may be called `a:1.jpg`.
 fn is_absolute(path: &str) -> bool {
-    let drive = path.as_bytes().get(1) == Some(&b':') && path.as_bytes()[0].is_ascii_alphabetic();
-    Path::new(path).is_absolute() || path.starts_with(['/', '\\']) || drive
+    let is_on_drive = matches!(path.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
+    Path::new(path).is_absolute() || path.starts_with(['/', '\\']) || is_on_drive
 }
 
 /// How a file is called from a folder, with `/` between the parts; absolute where they share no root.
@@ -84,7 +84,8 @@ pub(crate) fn resolved(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     for ancestor in path.ancestors() {
         if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
-            return real.join(rest);
+            // An empty rest would make a folder of a file.
+            return if rest.as_os_str().is_empty() { real } else { real.join(rest) };
         }
     }
     path
@@ -130,11 +131,14 @@ mod tests {
         document.frames.push(both.into());
         document.frames.push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
         document.frames.push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
+        document.frames.push(Frame::from_image("d:/data/4.jpg", "main".into(), size).into());
+        document.frames.push(Frame::from_image("a:1.jpg", "main".into(), size).into());
         let moved = document.clone().relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
         assert_eq!(moved.frames[0].image.as_deref(), Some("../../match/images/1.jpg"));
         assert_eq!(moved.frames[0].video.as_ref().unwrap().path, "../../match.mp4");
         assert_eq!(moved.field.template, "../../match/fields/mine.json");
-        assert!(moved.frames.range(1..).eq(document.frames.range(1..)));
+        assert_eq!(moved.frames[4].image.as_deref(), Some("../../match/a:1.jpg"), "a name, and no drive");
+        assert!(moved.frames.range(1..4).eq(document.frames.range(1..4)));
         assert!(moved.frames[1].is_same(&document.frames[1]), "untouched frames are shared");
         let back = moved.relocated(Path::new("/home/a/out/deep"), Path::new("/home/a/match"));
         assert_eq!(back, document);

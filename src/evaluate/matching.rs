@@ -8,7 +8,7 @@ use std::path::Path;
 ///
 /// A frame is known by where its image or video lies, else by the image's SHA-256, else by its path as the document writes it
 /// (a project that was moved), else by its file's name alone. The first that finds a single partner decides; a
-/// partner is given once.
+/// partner is given once. Frames that state different SHA-256 never meet: names repeat from match to match.
 pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
     let mut given = vec![false; offered.frames.len()];
@@ -26,13 +26,20 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
             }
         }
         for (key, asking) in asked {
-            if let ([asking], Some([partner])) = (&asking[..], open.get(&key).map(Vec::as_slice)) {
+            if let ([asking], Some([partner])) = (&asking[..], open.get(&key).map(Vec::as_slice))
+                && may_be_same_picture(&wanted.frames[*asking], &offered.frames[*partner])
+            {
                 partners[*asking] = Some(*partner);
                 given[*partner] = true;
             }
         }
     }
     partners
+}
+
+/// Whether the stated SHA-256 of two frames, if any, allow that they show the same picture.
+fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
+    a.sha256.as_ref().zip(b.sha256.as_ref()).is_none_or(|(a, b)| a.eq_ignore_ascii_case(b))
 }
 
 fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
@@ -87,6 +94,13 @@ mod tests {
         one.frames[0].sha256 = Some("ab".to_owned());
         other.frames[1].sha256 = Some("ab".to_owned());
         assert_eq!(matched(one.at(a), other.at(b)), [Some(1)]);
+        // Another match with the same names.
+        other.frames[0].sha256 = Some("cd".to_owned());
+        other.frames[1].sha256 = None;
+        other.frames[0].image = Some("1.jpg".to_owned());
+        assert_eq!(matched(one.at(a), other.at(b)), [None]);
+        other.frames[0].sha256 = Some("AB".to_owned());
+        assert_eq!(matched(one.at(a), other.at(b)), [Some(0)]);
         // By path as written: a copy of the project.
         let one = document(&["images/1.jpg", "more/1.jpg"]);
         assert_eq!(matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)), [Some(1), Some(0)]);

@@ -5,6 +5,7 @@ use super::files::Files;
 use super::frame_camera::FrameCamera;
 use super::into_document::Exactness;
 use super::options::{ExportOptions, ImportOptions};
+use super::picture_size::SizeSource;
 use super::rate::Rate;
 use super::timecode::Timecode;
 use crate::field::FieldModel;
@@ -19,14 +20,19 @@ pub struct WriteContext<'a> {
     pub options: &'a ExportOptions,
     /// The field that they show.
     pub field: &'a FieldModel,
-    /// Frames a second, where it is known.
+    /// Frames a second, where it is known and one for all frames.
     pub rate: Option<Rate>,
 }
 
 impl WriteContext<'_> {
     /// The timecode of a frame, where its number and the rate are known.
     pub fn timecode(&self, frame: &FrameCamera) -> Option<Timecode> {
-        Some(Timecode::from_start(self.options.start, frame.frame_index?, self.rate?))
+        Some(Timecode::from_start(self.options.start, frame.frame_index?, self.rate_of(frame)?))
+    }
+
+    /// Frames a second of a frame's video, where it is known.
+    pub fn rate_of(&self, frame: &FrameCamera) -> Option<Rate> {
+        self.options.rate.or(frame.rate)
     }
 }
 
@@ -41,6 +47,11 @@ pub trait CameraFormat: Sync {
     /// How far a landmark may move through the digits of the format, px.
     fn resolution_px(&self, _held: &FrameCamera) -> f64 {
         EXACT_PX
+    }
+
+    /// What the picture size of a frame that was read rests on.
+    fn size_source(&self) -> SizeSource {
+        SizeSource::Stated
     }
 
     /// Whether what is written is read again before it goes out.
@@ -75,6 +86,11 @@ pub trait CameraFormat: Sync {
     /// # Errors
     /// A file is damaged.
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError>;
+
+    /// What its files say that the document does not hold, in words.
+    fn unread(&self, _files: &Files) -> Vec<String> {
+        Vec::new()
+    }
 
     /// The options with which what was written is read again.
     fn reading(&self, held: &[FrameCamera], options: &ExportOptions) -> ImportOptions {

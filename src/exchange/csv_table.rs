@@ -8,14 +8,16 @@ use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
+use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
-use super::table::{Row, Table, push_row, text_cell};
+use super::table::{Row, Table, push_row};
 use super::values::side_px;
 use crate::camera::Radial;
 use crate::document::{FrameStatus, SolutionSource};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3, text_cell};
 
 /// The table.
 pub struct Csv;
@@ -63,10 +65,15 @@ fn field(value: Option<f64>) -> String {
     value.filter(|value| value.is_finite()).map(|value| value.to_string()).unwrap_or_default()
 }
 
-/// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one.
+/// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one. Of crowned ground it is the nearest one.
 #[must_use]
-pub fn ground_from_image(pinhole: &Pinhole) -> Option<Mat3> {
-    let inverse = pinhole.image_from_ground().try_inverse()?;
+fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> Option<Mat3> {
+    let image_from_ground = if field.crown_m == 0.0 {
+        pinhole.image_from_ground()
+    } else {
+        fit_image_from_ground(&Pinhole { lens: Radial::default(), ..*pinhole }, size, field)?
+    };
+    let inverse = image_from_ground.try_inverse()?;
     Some(inverse / inverse[(2, 2)]).filter(|h| h.iter().all(|entry| entry.is_finite()))
 }
 
@@ -98,7 +105,7 @@ fn row_of(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &Wri
     row.extend(numbers.map(|number| field(Some(number))));
     row.extend(pinhole.cam_from_world.transpose().iter().map(|entry| field(Some(*entry))));
     row.extend(translation.iter().map(|entry| field(Some(*entry))));
-    match ground_from_image(pinhole) {
+    match ground_from_image(pinhole, size, context.field) {
         Some(h) => row.extend(h.transpose().iter().map(|entry| field(Some(*entry)))),
         None => row.extend(vec![String::new(); 9]),
     }
@@ -142,6 +149,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         shown: Shown::Camera(pinhole),
         frame_index: index,
         pts_s: row.find("pts_s")?,
+        rate: None,
         record: Record {
             status: row.text("status").and_then(|status| known(status).ok()).unwrap_or(FrameStatus::Suggested),
             worst_corner_sigma_px: row.find("worst_corner_sigma_px")?,
@@ -196,6 +204,20 @@ mod tests {
     use super::*;
     use crate::exchange::Format;
     use crate::exchange::tests::{awkward, exported, reference, text_of};
+
+    #[test]
+    fn timecodes_of_two_videos_are_by_their_own_rates() {
+        let mut document = awkward();
+        for (index, frame) in document.frames.iter_mut().enumerate() {
+            let (video, rate, number) = if index < 6 { ("a.mp4", 25.0, 100) } else { ("b.mp4", 50.0, 200) };
+            let number = number + index as u64;
+            frame.video = Some(crate::document::VideoFrame::new(video, number, Some(number as f64 / rate)));
+        }
+        let text = text_of(&exported(&document, Format::Csv).files, "cameras.csv");
+        let table = Table::read(text.as_bytes()).unwrap();
+        let codes: Vec<String> = table.rows().filter_map(|row| row.text("timecode").map(ToOwned::to_owned)).collect();
+        assert_eq!((codes[0].as_str(), codes[6].as_str()), ("00:00:04:00", "00:00:04:06"));
+    }
 
     #[test]
     fn the_homography_takes_pixels_to_the_pitch() {

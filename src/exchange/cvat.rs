@@ -27,6 +27,50 @@ fn not_xml(error: roxmltree::Error) -> Problem {
     })
 }
 
+/// More attributes than any element of CVAT has. The parser compares every two of an element to find one that is there twice.
+const MAX_ATTRIBUTES: usize = 100;
+
+/// Refuses an element with so many attributes that the parser would take hours.
+fn refuse_many_attributes(text: &str) -> Result<(), Problem> {
+    /// What markup that is no element begins and ends with.
+    const OTHERS: [(&str, &str); 3] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+    let mut rest = text;
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start..];
+        if let Some((begin, end)) = OTHERS.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
+            let Some(length) = rest[begin.len()..].find(end) else { return Ok(()) };
+            rest = &rest[begin.len() + length + end.len()..];
+            continue;
+        }
+        let tag = measure_tag(rest);
+        if tag.attributes > MAX_ATTRIBUTES {
+            return Err(Problem::NotXml(format!("an element has more than {MAX_ATTRIBUTES} attributes")));
+        }
+        rest = &rest[tag.bytes..];
+    }
+    Ok(())
+}
+
+/// How long a tag is, and how many attributes it has.
+struct TagLength {
+    bytes: usize,
+    attributes: usize,
+}
+
+fn measure_tag(tag: &str) -> TagLength {
+    let (mut quote, mut attributes) = (None, 0);
+    for (at, byte) in tag.bytes().enumerate() {
+        match (byte, quote) {
+            (b'"' | b'\'', None) => quote = Some(byte),
+            (byte, Some(open)) if byte == open => quote = None,
+            (b'=', None) => attributes += 1,
+            (b'>', None) => return TagLength { bytes: at + 1, attributes },
+            _ => {}
+        }
+    }
+    TagLength { bytes: tag.len(), attributes }
+}
+
 type Element<'a> = roxmltree::Node<'a, 'a>;
 
 /// An attribute that must be there.
@@ -114,7 +158,9 @@ fn task_size(root: Element<'_>) -> Result<Option<ImageSize>, Problem> {
 }
 
 fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
-    let xml = Xml::parse(text(bytes)?).map_err(not_xml)?;
+    let text = text(bytes)?;
+    refuse_many_attributes(text)?;
+    let xml = Xml::parse(text).map_err(not_xml)?;
     let root = xml.root_element();
     if root.tag_name().name() != "annotations" {
         let found = format!("it begins with <{}>", clipped(root.tag_name().name()));
@@ -202,6 +248,15 @@ mod tests {
         assert_eq!(frames.len(), 1);
         assert_eq!((frames[0].name.as_str(), frames[0].size), ("frame_000003", ImageSize::new(640, 360)));
         assert_eq!(frames[0].marks, [Mark { label: "centre_mark".to_owned(), image: ImagePoint::new(1.0, 2.0) }]);
+    }
+
+    #[test]
+    fn an_element_of_a_hundred_thousand_attributes_is_refused_at_once() {
+        let many = |count: usize| (0..count).map(|index| format!(" a{index}='>='")).collect::<Vec<_>>().concat();
+        let with = |attributes: String| GOOD.replacen("<image ", &format!("<!-- don't = --><image{attributes} "), 1);
+        assert!(read(&with(many(90))).is_ok());
+        let error = read(&with(many(100_000))).unwrap_err();
+        assert_eq!(error, "a.xml: not valid XML: an element has more than 100 attributes");
     }
 
     #[test]

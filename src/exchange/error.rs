@@ -3,6 +3,7 @@
 use super::format::Format;
 use crate::field::FieldError;
 use crate::files::{plain, way_out};
+use crate::geometry::ImageSize;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -33,6 +34,9 @@ pub enum ExchangeError {
         /// Where.
         path: PathBuf,
     },
+    /// Something other than the result's own files would be lost.
+    #[error(transparent)]
+    NotReplaced(#[from] crate::files::NotReplaced),
     /// A file is damaged, or of another format.
     #[error("{file}: {}", plain(&problem.to_string()))]
     File {
@@ -96,6 +100,19 @@ pub enum ExchangeError {
         /// Why.
         source: crate::solve::PlanePoseError,
     },
+    /// A camera was made for a picture of other proportions.
+    #[error(
+        "the camera of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give its own pictures (--images FOLDER)",
+        stated.width, stated.height, picture.width, picture.height
+    )]
+    OtherProportions {
+        /// The frame.
+        frame: String,
+        /// What the camera was made for.
+        stated: ImageSize,
+        /// The picture's.
+        picture: ImageSize,
+    },
     /// There are too many files, or they are too large together.
     #[error("{} contains more than {limit}; import a part of it", path.display())]
     TooMuch {
@@ -140,6 +157,20 @@ pub enum ExchangeError {
     NoDatasetThere {
         /// Where.
         path: PathBuf,
+    },
+    /// A folder that is to be new holds something.
+    #[error("{} holds something already; give an empty or a new folder", path.display())]
+    NotEmpty {
+        /// Where.
+        path: PathBuf,
+    },
+    /// Pictures that nobody may expect to be passed on.
+    #[error("{count} pictures lie outside of the project, the first is {}; --outside-pictures copies them too", first.display())]
+    Outside {
+        /// How many.
+        count: usize,
+        /// The first.
+        first: PathBuf,
     },
     /// A hard link leads to no other disk.
     #[error("{} cannot be linked as {}: it lies on another disk; copy the pictures instead (--images copy)", from.display(), to.display())]

@@ -8,14 +8,14 @@ use super::files::Files;
 use super::format::Format;
 use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
 use super::into_document::document_of;
-use super::loss::{farthest_landmark, loss_between};
+use super::loss::{crown_off_px, farthest_landmark, loss_between};
 use super::options::ExportOptions;
 use super::rate::Rate;
 use super::stage::{in_stage, in_world, takes_stage};
 use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A solved frame as formats exchange it; none where it is not solved.
@@ -40,6 +40,7 @@ fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> 
         shown: Shown::Camera(pinhole),
         frame_index: frame.video.as_ref().map(|video| video.frame_index),
         pts_s: frame.video.as_ref().and_then(|video| video.pts_s),
+        rate: None,
         record: Record {
             status: frame.status,
             source: solution.and_then(|solution| solution.source),
@@ -53,8 +54,27 @@ fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> 
     })
 }
 
-/// The rate of frames with numbers and times, where it is a usual one.
-fn rate_of(frames: &[FrameCamera]) -> Option<Rate> {
+/// Notes at each frame the rate of its video. `videos` has the video of each frame.
+fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
+    let names: BTreeSet<&str> = videos.iter().flatten().copied().collect();
+    for name in names {
+        let is_of_video = |index: usize| videos.get(index).copied().flatten() == Some(name);
+        let of_video = frames.iter().enumerate().filter(|(index, _)| is_of_video(*index)).map(|(_, frame)| frame);
+        let rate = rate_of(&of_video.collect::<Vec<_>>());
+        for (_, frame) in frames.iter_mut().enumerate().filter(|(index, _)| is_of_video(*index)) {
+            frame.rate = rate;
+        }
+    }
+}
+
+/// The rate of all frames; none where it is not known or they differ.
+fn common_rate(frames: &[FrameCamera]) -> Option<Rate> {
+    let first = frames.first()?.rate?;
+    frames.iter().all(|frame| frame.rate == Some(first)).then_some(first)
+}
+
+/// The rate of a video's frames with numbers and times, where it is a usual one.
+fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
     let timed = || frames.iter().filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)));
     let seconds_at = |(index, pts_s): (u64, f64)| (index as f64, pts_s);
     let first = seconds_at(timed().min_by_key(|at| at.0)?);
@@ -78,6 +98,7 @@ pub fn export_cameras(
     let fields = Fields::of(at)?;
     let mut left_out = Vec::new();
     let mut chosen: Vec<FrameCamera> = Vec::new();
+    let mut videos: Vec<Option<&str>> = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
     for frame in document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
         let Some(camera) = frame_camera(document, frame, options.size) else {
@@ -103,13 +124,15 @@ pub fn export_cameras(
         }
         of_field.get_or_insert_with(|| Arc::clone(field));
         chosen.push(camera);
+        videos.push(frame.video.as_ref().map(|video| video.path.as_str()));
     }
     let Some(field) = of_field else { return Err(nothing(format, &left_out)) };
+    note_rates(&mut chosen, &videos);
     let options = &ExportOptions {
         sensor_width_mm: options.sensor_width_mm.or_else(|| shared(document, &chosen, |camera| camera.sensor_width_mm)),
         ..options.clone()
     };
-    let context = WriteContext { options, field: &field, rate: options.rate.or_else(|| rate_of(&chosen)) };
+    let context = WriteContext { options, field: &field, rate: options.rate.or_else(|| common_rate(&chosen)) };
     let mut held = Vec::with_capacity(chosen.len());
     for (index, frame) in chosen.iter().enumerate() {
         let kept = camera_format.hold(frame, index, &context);
@@ -130,6 +153,7 @@ pub fn export_cameras(
     let mut notes = camera_format.notes(&held, &context);
     notes.extend(stage_note(format, options.stage.as_ref(), stage));
     notes.extend(interpolated_note(&held));
+    notes.extend(crown_note(&chosen, &field));
     if let Some(size) = document.field.assumed_size() {
         notes.push(format!("the field's size of {size} is assumed, not confirmed"));
     }
@@ -152,6 +176,17 @@ fn shared<T: PartialEq>(document: &Document, frames: &[FrameCamera], of: impl Fn
     let mut stated = frames.iter().map(stated);
     let first = stated.next()??;
     stated.all(|other| other.as_ref() == Some(&first)).then_some(first)
+}
+
+/// What readers that take the ground as flat are off.
+fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
+    let crown_m = field.crown_m;
+    (crown_m != 0.0).then(|| {
+        let off_px = crown_off_px(frames, field);
+        format!(
+            "not held: the crown of {crown_m:.2} m; on flat ground points of the field are up to {off_px:.1} px away"
+        )
+    })
 }
 
 /// In which axes a track is.

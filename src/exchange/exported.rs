@@ -1,10 +1,11 @@
 //! What an export made.
 
 use super::error::ExchangeError;
-use super::files::{Files, parent};
+use super::files::Files;
 use super::format::Format;
 use super::loss::Loss;
 use crate::document::{Document, document_to_string, resolved};
+use crate::files::folder_of;
 use std::path::{Path, PathBuf};
 
 /// An export that has proved itself and waits to be written.
@@ -37,14 +38,21 @@ impl Exported {
         self.in_takes || self.format.is_folder()
     }
 
+    /// The dataset and the folder that its relative paths start from; none for foreign formats.
+    #[must_use]
+    pub fn dataset(&self) -> Option<(&Document, &Path)> {
+        self.dataset.as_ref().map(|(dataset, folder)| (dataset, folder.as_path()))
+    }
+
     /// Writes the files: one to `path`, or all into a new folder there.
     ///
     /// # Errors
-    /// Something is there already and `force` was not given, or it cannot be written; nothing was changed then.
+    /// Something is there already and `force` was not given, other files would be lost, or it cannot be written; nothing was
+    /// changed then.
     pub fn write(&self, path: &Path, force: bool) -> Result<(), ExchangeError> {
         let Some((dataset, folder)) = &self.dataset else { return self.files.write(path, self.is_folder(), force) };
         // Where it lands its paths point at the same files.
-        let moved = document_to_string(&dataset.clone().relocated(folder, &resolved(parent(path))))?;
+        let moved = document_to_string(&dataset.clone().relocated(folder, &resolved(folder_of(path))))?;
         Files::one("dataset.json", moved.into_bytes()).write(path, false, force)
     }
 }

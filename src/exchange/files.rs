@@ -1,7 +1,10 @@
 //! The files of an export or import in memory: written whole or not at all, read with limits.
 
 use super::error::{ExchangeError, Problem};
-use crate::files::{NotReadable, read_named, temporary_file_in, temporary_folder_in};
+use crate::files::{
+    NotReadable, folder_of, follow_link, read_named, refuse_part_of_project, replace_folder, temporary_file_in,
+    temporary_folder_in,
+};
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
@@ -92,17 +95,23 @@ impl Files {
     }
 
     /// Writes the only file to `path`, or all of them into a new folder there. Everything is written beside it first and then
-    /// renamed.
+    /// renamed. `force` replaces files of the same names; a folder that holds others is not replaced.
     ///
     /// # Errors
-    /// Something is there already and `force` was not given, or it cannot be written; nothing was changed then.
+    /// Something is there already and `force` was not given, other files would be lost, or it cannot be written; nothing was
+    /// changed then.
     pub fn write(&self, path: &Path, is_folder: bool, force: bool) -> Result<(), ExchangeError> {
         if !force && path.exists() && !is_empty_folder(path) {
             return Err(ExchangeError::Exists { path: path.to_path_buf() });
         }
         let failed = |source| ExchangeError::Write { path: path.to_path_buf(), source };
-        let result = if is_folder { self.write_folder(path) } else { self.write_file(path) };
-        result.map_err(failed)
+        let path = &follow_link(path);
+        if is_folder {
+            let new = self.write_temporary_folder(path).map_err(failed)?;
+            return Ok(replace_folder(new, path, &|name, _| self.0.contains_key(name))?);
+        }
+        refuse_part_of_project(path)?;
+        self.write_file(path).map_err(failed)
     }
 
     fn write_file(&self, path: &Path) -> io::Result<()> {
@@ -110,50 +119,22 @@ impl Files {
         if fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
             return OpenOptions::new().write(true).open(path)?.write_all(bytes);
         }
-        let mut file = temporary_file_in(parent(path))?;
+        let mut file = temporary_file_in(folder_of(path))?;
         file.as_file_mut().write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map(drop).map_err(|error| error.error)
     }
 
-    fn write_folder(&self, path: &Path) -> io::Result<()> {
-        let new = temporary_folder_in(parent(path))?;
+    /// The files in a temporary folder beside `path`.
+    fn write_temporary_folder(&self, path: &Path) -> io::Result<tempfile::TempDir> {
+        let new = temporary_folder_in(folder_of(path))?;
         for (name, bytes) in &self.0 {
             let file = new.path().join(name);
-            fs::create_dir_all(parent(&file))?;
+            fs::create_dir_all(folder_of(&file))?;
             fs::write(file, bytes)?;
         }
-        put_folder(new, path)
+        Ok(new)
     }
-}
-
-/// Puts a finished temporary folder in the place of whatever is at `path`.
-pub(super) fn put_folder(new: tempfile::TempDir, path: &Path) -> io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(new.path(), fs::Permissions::from_mode(0o755))?;
-    }
-    if fs::symlink_metadata(path).is_err() {
-        fs::rename(new.path(), path)?;
-        let _ = new.keep();
-        return Ok(());
-    }
-    // What was there goes only when the new one stands in its place.
-    let old = temporary_folder_in(parent(path))?;
-    let kept = old.path().join("old");
-    fs::rename(path, &kept)?;
-    if let Err(error) = fs::rename(new.path(), path) {
-        fs::rename(&kept, path)?;
-        return Err(error);
-    }
-    let _ = new.keep();
-    if kept.is_dir() { fs::remove_dir_all(kept) } else { fs::remove_file(kept) }
-}
-
-/// The folder that a path lies in.
-pub(super) fn parent(path: &Path) -> &Path {
-    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// An empty folder counts as absent.
@@ -251,11 +232,14 @@ mod tests {
         files.add("labels/9.txt", "nine");
         files.write(&path, true, false).unwrap();
         assert_eq!(names(&path), ["labels/9.txt", "labels/10.txt"]);
-        let other = Files::one("a.txt", b"a".to_vec());
+        let other = Files::one("labels/9.txt", b"other".to_vec());
         let refusal = other.write(&path, true, false).unwrap_err().to_string();
         assert!(refusal.ends_with("out already exists; give --force to replace it, or another -o"), "{refusal}");
-        other.write(&path, true, true).unwrap();
-        assert_eq!(names(&path), ["a.txt"]);
+        let refusal = other.write(&path, true, true).unwrap_err().to_string();
+        assert!(refusal.contains("out holds labels/10.txt, which would be lost"), "{refusal}");
+        files.add("labels/9.txt", "other");
+        files.write(&path, true, true).unwrap();
+        assert_eq!(fs::read(path.join("labels/9.txt")).unwrap(), b"other");
         assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1, "nothing temporary is left");
     }
 
@@ -266,6 +250,22 @@ mod tests {
         fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
         let error = Files::read(&path, &|_| true).unwrap_err();
         assert_eq!(error.to_string(), "large.json: it is 65 MiB, at most 64 MiB are read");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_written_through() {
+        let place = tempfile::tempdir().unwrap();
+        let (file, folder) = (place.path().join("file"), place.path().join("folder"));
+        fs::write(&file, "old").unwrap();
+        fs::create_dir(&folder).unwrap();
+        for (target, is_folder) in [(&file, false), (&folder, true)] {
+            let link = target.with_extension("link");
+            std::os::unix::fs::symlink(target, &link).unwrap();
+            Files::one("a.txt", b"new".to_vec()).write(&link, is_folder, true).unwrap();
+            assert!(link.is_symlink(), "{} was replaced", link.display());
+        }
+        assert_eq!((fs::read(file).unwrap(), fs::read(folder.join("a.txt")).unwrap()), (b"new".into(), b"new".into()));
     }
 
     #[cfg(unix)]

@@ -6,6 +6,7 @@ use crate::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation, near
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
 use super::error::Problem;
+use super::rate::Rate;
 
 /// How a frame shows the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +49,8 @@ pub struct FrameCamera {
     pub frame_index: Option<u64>,
     /// Its time from the stream's start, s.
     pub pts_s: Option<f64>,
+    /// Frames a second of its video, where the times of the video's frames say so.
+    pub rate: Option<Rate>,
     /// How good it is.
     pub record: Record,
 }
@@ -85,6 +88,7 @@ impl FrameCamera {
             shown,
             frame_index: None,
             pts_s: None,
+            rate: None,
             record: Record::default(),
         }
     }

@@ -16,6 +16,7 @@ use super::into_document::Exactness;
 use super::options::{ImportOptions, Zoom};
 use super::table::{Row, Table, push_row};
 use crate::geometry::{ImageSize, Vec3};
+use std::collections::BTreeSet;
 
 /// Packets.
 pub struct FreeD;
@@ -245,6 +246,12 @@ impl CameraFormat for FreeD {
         has_ending(name, "freed") || has_ending(name, "bin")
     }
 
+    fn unread(&self, files: &Files) -> Vec<String> {
+        let sorted = files.sorted();
+        let packets = sorted.iter().flat_map(|(_, bytes)| bytes.chunks_exact(PACKET));
+        second_camera_note(&packets.map(|packet| packet[1].to_string()).collect()).into_iter().collect()
+    }
+
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
         let reading = Reading::of(options, Format::FreeD)?;
         let mut count = 0;
@@ -262,6 +269,14 @@ impl CameraFormat for FreeD {
             bytes.chunks(PACKET).enumerate().map(frame).collect::<Result<Vec<_>, _>>()
         })
     }
+}
+
+/// That a stream is of several cameras: frames of all of them follow each other under one count.
+fn second_camera_note(ids: &BTreeSet<String>) -> Option<String> {
+    (ids.len() > 1).then(|| {
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        format!("camera ids {} are in one stream and are not told apart; import one camera at a time", ids.join(", "))
+    })
 }
 
 /// The columns of the table.
@@ -325,6 +340,14 @@ impl CameraFormat for FreeDCsv {
 
     fn is_wanted(&self, name: &str) -> bool {
         has_ending(name, "csv")
+    }
+
+    fn unread(&self, files: &Files) -> Vec<String> {
+        let mut ids = BTreeSet::new();
+        for table in files.sorted().into_iter().filter_map(|(_, bytes)| Table::read(bytes).ok()) {
+            ids.extend(table.rows().filter_map(|row| row.text("camera_id").map(ToOwned::to_owned)));
+        }
+        second_camera_note(&ids).into_iter().collect()
     }
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
@@ -422,5 +445,18 @@ mod tests {
         );
         let said = error.unwrap_err().to_string();
         assert_eq!(said, "000000 cannot be written as freed: -8960000 steps (m) are more than 24 bits hold (±131 m)");
+    }
+
+    #[test]
+    fn a_second_camera_of_a_stream_is_named() {
+        let files = exported(&reference(), Format::FreeD).files;
+        let mut bytes = files.get("camera.freed").unwrap().to_vec();
+        assert_eq!(FreeD.unread(&files), [""; 0]);
+        let mut second = bytes.clone();
+        second[1] = 2;
+        second[PACKET - 1] = checksum(&second);
+        bytes.extend(second);
+        let said = FreeD.unread(&Files::one("a.freed", bytes)).concat();
+        assert!(said.starts_with("camera ids 1, 2 are in one stream"), "{said}");
     }
 }

@@ -10,14 +10,16 @@ use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
 use super::node::{Node, parse, safe_path};
 use super::npy;
 use super::options::{ImportOptions, Pixels};
+use super::picture_size::SizeSource;
 use super::table::numbers;
 use super::values::{clipped, side_px};
 use crate::camera::Radial;
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
+use crate::geometry::{ImageSize, Mat3, Vec3};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -33,8 +35,6 @@ const WC14_ENDING: &str = "homographyMatrix";
 const TS_ENDING: &str = "_homography.npy";
 /// The folder of the TS-WorldCup set's files.
 const TS_FOLDER: &str = "Annotations/80_95";
-/// The nearest homography is fitted on a grid of so many steps.
-const GRID: u32 = 24;
 
 /// The World Cup 2014 set.
 pub struct Wc14;
@@ -79,37 +79,21 @@ fn image_from_ground(template_from_image: &Mat3) -> Result<Mat3, Problem> {
     Ok(corner_from(Pixels::Centre) * image_from_template * template_from_ground())
 }
 
-/// The homography of the camera's picture without distortion, or the one nearest to its picture as it is.
+/// The homography of the camera's picture without distortion, or the one nearest to its picture as it is. Crowned ground has no exact one.
 fn hold(frame: &FrameCamera, name: String, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
     let (pinhole, size) = parts(frame)?;
     let ideal = Pinhole { lens: Radial::default(), ..pinhole };
-    let exact = ideal.image_from_ground();
-    let shown = if pinhole.lens.is_none() || context.options.undistorted {
-        exact
+    let shown_by = if context.options.undistorted { ideal } else { pinhole };
+    let shown = if shown_by.lens.is_none() && context.field.crown_m == 0.0 {
+        ideal.image_from_ground()
     } else {
-        let half = [0.5 * context.field.length_m, 0.5 * context.field.width_m];
-        nearest(&pinhole, size, half).ok_or("it shows too little of the pitch for a homography")?
+        let fitted = fit_image_from_ground(&shown_by, size, context.field);
+        fitted.ok_or("it shows too little of the pitch for a homography")?
     };
     if shown.try_inverse().is_none() {
         return Err("the ground is seen edge-on".to_owned());
     }
     Ok(FrameCamera { name, shown: Shown::Ground(shown), ..frame.clone() })
-}
-
-/// The homography that comes nearest to a bent picture over the visible pitch, which reaches so far from its middle (m).
-fn nearest(pinhole: &Pinhole, size: ImageSize, half_m: [f64; 2]) -> Option<Mat3> {
-    let camera = pinhole.pointed()?;
-    let share = |step: u32, side: u32| (f64::from(step) + 0.5) / f64::from(GRID) * f64::from(side);
-    let pixels = (0..GRID).flat_map(|column| (0..GRID).map(move |row| (column, row)));
-    let pairs: Vec<(Vec2, Vec2)> = pixels
-        .map(|(column, row)| ImagePoint::new(share(column, size.width), share(row, size.height)))
-        .filter_map(|pixel| Some((camera.plane_from_image(pixel, 0.0)?.xy(), Vec2::new(pixel.x, pixel.y))))
-        .filter(|(ground, _)| ground.x.abs() <= half_m[0] && ground.y.abs() <= half_m[1])
-        .collect();
-    let fitted = homography(&pairs).ok()?;
-    // The sign by which the pitch lies before the camera.
-    let depth = fitted.row(2) * Vec3::new(pairs[0].0.x, pairs[0].0.y, 1.0);
-    Some(fitted * depth[0].signum())
 }
 
 /// What a user should know of both sets.
@@ -152,6 +136,10 @@ fn base_name(name: &str) -> &str {
 }
 
 impl CameraFormat for Wc14 {
+    fn size_source(&self) -> SizeSource {
+        SizeSource::Assumed
+    }
+
     fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         hold(frame, stem_of(frame), context)
     }
@@ -192,6 +180,10 @@ impl CameraFormat for Wc14 {
 }
 
 impl CameraFormat for TsWorldCup {
+    fn size_source(&self) -> SizeSource {
+        SizeSource::Assumed
+    }
+
     fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         let camera = frame.camera.as_deref().unwrap_or("main").replace(['/', '\\', '.'], "_");
         hold(frame, format!("{camera}/{}", stem_of(frame)), context)
@@ -341,6 +333,7 @@ mod tests {
     use super::*;
     use crate::exchange::tests::{awkward, exported, reference, text_of};
     use crate::exchange::{ExportOptions, Format, export};
+    use crate::geometry::Vec2;
     use std::path::Path;
 
     fn pinhole_reference() -> crate::document::Document {

@@ -7,6 +7,7 @@ use super::format::Format;
 use super::imported::Imported;
 use super::into_document::{camera_of, document_of};
 use super::options::ImportOptions;
+use super::picture_size::{FittedSizes, SizeSource, fit_to_picture};
 use super::pictures::image_of;
 use super::values::clipped;
 use crate::document::{path_between, resolved};
@@ -38,17 +39,26 @@ pub fn import_cameras(
     let mut sizes_by = SizesBy::default();
     let mut views = Vec::with_capacity(frames.len());
     let mut fitted = 0_usize;
+    let mut fitted_sizes = FittedSizes::default();
     for frame in &mut frames {
         if !names.insert(frame.name.clone()) {
             return Err(ExchangeError::SameFrame { path: path.to_path_buf(), name: clipped(&frame.name) });
         }
         let (file, known) = image_of(frame.image.as_deref().unwrap_or(&frame.name), &images);
-        let size = sizes_by.choose(known, options.size, frame.size);
+        let size = sizes_by.choose(known, options.size, frame.size, camera_format.size_source());
         let size = size.ok_or(ExchangeError::OptionNeeded {
             format,
             what: "the size of its pictures",
             option: "--size WIDTHxHEIGHT or --images FOLDER",
         })?;
+        let (fit, factor) = fit_to_picture(frame, size, camera_format.size_source()).ok_or_else(|| {
+            let stated = frame.size.unwrap_or(size);
+            ExchangeError::OtherProportions { frame: clipped(&frame.name), stated, picture: size }
+        })?;
+        if let Some(stated) = frame.size.filter(|_| factor != 1.0) {
+            fitted_sizes.count(stated, size);
+        }
+        *frame = fit;
         if frame.image.is_some() || frame.frame_index.is_none() {
             frame.image = Some(path_between(folder, &images.join(file)));
         }
@@ -62,6 +72,8 @@ pub fn import_cameras(
         views.push((frame.clone(), size, view));
     }
     let mut notes = sizes_by.notes();
+    notes.extend(fitted_sizes.note());
+    notes.extend(camera_format.unread(&files));
     if fitted > 0 {
         notes.push(format!(
             "{fitted} cameras were fitted to homographies, with the principal point in the middle and no distortion"
@@ -76,6 +88,7 @@ pub fn import_cameras(
 struct SizesBy {
     option: usize,
     format: usize,
+    assumed: usize,
 }
 
 impl SizesBy {
@@ -85,6 +98,7 @@ impl SizesBy {
         image: Option<ImageSize>,
         given: Option<ImageSize>,
         format: Option<ImageSize>,
+        source: SizeSource,
     ) -> Option<ImageSize> {
         if image.is_some() {
             return image;
@@ -93,12 +107,17 @@ impl SizesBy {
             self.option += 1;
             return given;
         }
-        self.format += usize::from(format.is_some());
+        let count = if source == SizeSource::Assumed { &mut self.assumed } else { &mut self.format };
+        *count += usize::from(format.is_some());
         format
     }
 
     fn notes(&self) -> Vec<String> {
-        let said = [(self.option, "given by --size"), (self.format, "what the files say (their images are missing)")];
+        let said = [
+            (self.option, "given by --size"),
+            (self.format, "what the files say (their images are missing)"),
+            (self.assumed, "assumed, as that of the set (1280 × 720); --size WIDTHxHEIGHT gives another"),
+        ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
         said.map(|(count, by)| format!("the picture size of {count} frames is {by}")).collect()
     }

@@ -1,10 +1,9 @@
 //! Imported labels joined with a document that is open: nothing that a person did there is changed.
 
 use super::imported::Imported;
-use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, path_between, resolved};
-use crate::geometry::ImageSize;
+use super::places::Places;
+use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSpec, Frame, FrameStatus};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 /// A document with imported labels, and what came of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +12,8 @@ pub struct Joined {
     pub document: Document,
     /// Frames of the document that got clicks or a camera.
     pub matched: usize,
+    /// Which imported frame is which frame of the document, whether it got anything or not.
+    pub pairs: Vec<JoinedPair>,
     /// Frames that were not in the document.
     pub added: usize,
     /// Frames that have labels of their own, which stay.
@@ -27,14 +28,23 @@ pub struct Joined {
     pub notes: Vec<String>,
 }
 
-/// Joins imported frames with those of a document: by the files of their pictures, else by their names where these are unique.
-/// A frame gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay as they are. Frames
+/// An imported frame and the frame of the document that shows the same picture, by name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JoinedPair {
+    /// The imported frame.
+    pub imported: String,
+    /// The document's.
+    pub document: String,
+}
+
+/// Joins imported frames with those of a document that show the same pictures ([`Places`]). A frame gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay as they are. Frames
 /// that are not there are appended.
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     let mut joined = Joined {
         document: open.document.clone(),
         matched: 0,
+        pairs: Vec::new(),
         added: 0,
         kept: 0,
         other_size: 0,
@@ -42,31 +52,35 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
         cameras: 0,
         notes: imported.notes.clone(),
     };
-    let places = Places::of(open);
-    let mut cameras = Cameras { ids: BTreeMap::new() };
-    for frame in &imported.document.frames {
-        let place = places.of_frame(frame, &imported.folder);
+    let places = Places::from_document(open);
+    // From here on its paths start where the document's do.
+    let moved = imported.document.clone().relocated(&imported.folder, open.folder);
+    let mut cameras = Cameras { imported: &moved, ids: BTreeMap::new() };
+    for (frame, moved) in imported.document.frames.iter().zip(&moved.frames) {
+        let place = places.find(frame, &imported.folder);
         match place.and_then(|place| joined.document.frames.get(place).map(|there| (place, (**there).clone()))) {
             Some((_, there)) if there.image_size != frame.image_size => joined.other_size += 1,
-            Some((place, there)) => match labelled(there, frame, &mut joined.document, imported, &mut cameras) {
-                Some(labelled) => {
-                    joined.matched += 1;
-                    joined.clicks += labelled.clicks.len();
-                    if let Some(known) = joined.document.frames.get_mut(place) {
-                        **known = labelled;
+            Some((place, there)) => {
+                joined.pairs.push(JoinedPair { imported: frame.name(), document: there.name() });
+                match label(there, frame, &mut joined.document, &mut cameras) {
+                    Some(labelled) => {
+                        joined.matched += 1;
+                        joined.clicks += labelled.clicks.len();
+                        if let Some(known) = joined.document.frames.get_mut(place) {
+                            **known = labelled;
+                        }
                     }
+                    None => joined.kept += 1,
                 }
-                None => joined.kept += 1,
-            },
+            }
             None => {
-                let image = frame.image.as_ref().map(|image| path_between(open.folder, &imported.folder.join(image)));
                 let camera = match frame.ptz {
-                    Some(_) => cameras.imported(&frame.camera, &mut joined.document, imported),
-                    None => cameras.of_size(frame, &mut joined.document, imported),
+                    Some(_) => cameras.take(&frame.camera, &mut joined.document),
+                    None => cameras.take_of_size(frame, &mut joined.document),
                 };
                 joined.added += 1;
                 joined.clicks += frame.clicks.len();
-                joined.document.frames.push(Frame { image, camera, ..(**frame).clone() }.into());
+                joined.document.frames.push(Frame { camera, ..(**moved).clone() }.into());
             }
         }
     }
@@ -75,25 +89,19 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
 }
 
 /// A frame with what an imported one brings; none where it has labels of its own.
-fn labelled(
-    there: Frame,
-    imported_frame: &Frame,
-    document: &mut Document,
-    imported: &Imported,
-    cameras: &mut Cameras,
-) -> Option<Frame> {
+fn label(there: Frame, imported: &Frame, document: &mut Document, cameras: &mut Cameras<'_>) -> Option<Frame> {
     let mut frame = there;
     let mut changed = false;
-    if imported_frame.ptz.is_some() && frame.is_open() {
-        frame.camera = cameras.imported(&imported_frame.camera, document, imported);
-        (frame.ptz, frame.solution) = (imported_frame.ptz.clone(), imported_frame.solution.clone());
+    if imported.ptz.is_some() && frame.is_open() {
+        frame.camera = cameras.take(&imported.camera, document);
+        (frame.ptz, frame.solution) = (imported.ptz.clone(), imported.solution.clone());
         frame.status = FrameStatus::Suggested;
         changed = true;
     }
     let is_undecided = matches!(frame.status, FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested);
-    if !imported_frame.clicks.is_empty() && frame.clicks.is_empty() && is_undecided {
-        frame.clicks.clone_from(&imported_frame.clicks);
-        if imported_frame.ptz.is_none() {
+    if !imported.clicks.is_empty() && frame.clicks.is_empty() && is_undecided {
+        frame.clicks.clone_from(&imported.clicks);
+        if imported.ptz.is_none() {
             frame.status = FrameStatus::Draft;
         }
         changed = true;
@@ -101,78 +109,50 @@ fn labelled(
     changed.then_some(frame)
 }
 
-/// Where the frames of a document are, by their pictures.
-struct Places {
-    files: BTreeMap<PathBuf, usize>,
-    /// None for a name that several frames have.
-    stems: BTreeMap<String, Option<usize>>,
-    numbers: BTreeMap<u64, Option<usize>>,
-}
-
-fn file_of(frame: &Frame, folder: &Path) -> Option<PathBuf> {
-    frame.image.as_ref().map(|image| resolved(&folder.join(image)))
-}
-
-fn stem_of(frame: &Frame) -> Option<String> {
-    let image = frame.image.as_deref()?.replace('\\', "/");
-    Some(Path::new(&image).file_stem()?.to_string_lossy().into_owned())
-}
-
-impl Places {
-    fn of(open: DocumentAt<'_>) -> Self {
-        let mut places = Self { files: BTreeMap::new(), stems: BTreeMap::new(), numbers: BTreeMap::new() };
-        for (place, frame) in open.document.frames.iter().enumerate() {
-            if let Some(file) = file_of(frame, open.folder) {
-                places.files.insert(file, place);
-            }
-            if let Some(stem) = stem_of(frame) {
-                places.stems.entry(stem).and_modify(|known| *known = None).or_insert(Some(place));
-            }
-            if let Some(video) = &frame.video {
-                places.numbers.entry(video.frame_index).and_modify(|known| *known = None).or_insert(Some(place));
-            }
-        }
-        places
-    }
-
-    fn of_frame(&self, frame: &Frame, folder: &Path) -> Option<usize> {
-        let by_file = file_of(frame, folder).and_then(|file| self.files.get(&file).copied());
-        let by_stem = || self.stems.get(&stem_of(frame)?).copied().flatten();
-        let by_number = || self.numbers.get(&frame.video.as_ref()?.frame_index).copied().flatten();
-        by_file.or_else(by_stem).or_else(by_number)
-    }
-}
-
-/// The cameras that came with the imported frames, by their names there.
-struct Cameras {
+/// The cameras that come with the imported frames.
+struct Cameras<'a> {
+    imported: &'a Document,
+    /// What they are called in the document, by their names in the imported one.
     ids: BTreeMap<CameraId, CameraId>,
 }
 
-impl Cameras {
-    /// A camera of the imported document: one of the document with the same base, else a new one.
-    fn imported(&mut self, name: &CameraId, document: &mut Document, imported: &Imported) -> CameraId {
+impl Cameras<'_> {
+    /// An imported camera: one of the document with the same base before the same field, else a new one.
+    fn take(&mut self, name: &CameraId, document: &mut Document) -> CameraId {
         if let Some(known) = self.ids.get(name) {
             return known.clone();
         }
-        let Some(camera) = imported.document.camera(name) else { return name.clone() };
-        let same = document.cameras.iter().find(|known| known.base() == camera.base() && known.base().is_some());
-        let id = if let Some(known) = same {
-            known.id.clone()
-        } else {
-            let id = free_id(document, name);
-            document.cameras.push(Camera { id: id.clone(), ..camera.clone() }.into());
-            id
+        let Some(camera) = self.imported.camera(name) else { return name.clone() };
+        let field = field_of(camera, self.imported);
+        let is_same = |known: &Camera| {
+            known.base() == camera.base() && known.base().is_some() && field_of(known, document).is_same_field(field)
         };
+        let same = document.cameras.iter().find(|known| is_same(known)).map(|known| known.id.clone());
+        let id = same.unwrap_or_else(|| {
+            let id = free_id(document, name);
+            // A field of its own is kept, and so is the imported document's where the open one has another.
+            let own = (camera.field.is_some() || *field != document.field).then(|| field.clone());
+            document.cameras.push(Camera { id: id.clone(), field: own, ..camera.clone() }.into());
+            id
+        });
         self.ids.insert(name.clone(), id.clone());
         id
     }
 
-    /// The camera of the document that takes pictures of a frame's size, else the frame's own.
-    fn of_size(&mut self, frame: &Frame, document: &mut Document, imported: &Imported) -> CameraId {
-        let is_alike = |size: ImageSize| size == frame.image_size;
-        let alike = document.cameras.iter().find(|camera| is_alike(camera.image_size)).map(|camera| camera.id.clone());
-        alike.unwrap_or_else(|| self.imported(&frame.camera, document, imported))
+    /// The camera of the document that takes pictures of a frame's size before the same field, else the frame's own.
+    fn take_of_size(&mut self, frame: &Frame, document: &mut Document) -> CameraId {
+        let field =
+            self.imported.camera(&frame.camera).map_or(&self.imported.field, |camera| field_of(camera, self.imported));
+        let is_alike =
+            |camera: &Camera| camera.image_size == frame.image_size && field_of(camera, document).is_same_field(field);
+        let alike = document.cameras.iter().find(|camera| is_alike(camera)).map(|camera| camera.id.clone());
+        alike.unwrap_or_else(|| self.take(&frame.camera, document))
     }
+}
+
+/// The field before a camera: its own, else its document's.
+fn field_of<'a>(camera: &'a Camera, document: &'a Document) -> &'a FieldSpec {
+    camera.field.as_ref().unwrap_or(&document.field)
 }
 
 /// The first of `name`, `name-2`, … that no camera has.
@@ -187,7 +167,8 @@ mod tests {
     use super::*;
     use crate::document::{Click, FieldSpec};
     use crate::exchange::tests::{SIZE, awkward};
-    use crate::geometry::ImagePoint;
+    use crate::geometry::{ImagePoint, ImageSize};
+    use std::path::{Path, PathBuf};
 
     fn click(name: &str) -> Click {
         Click::landmark(name.into(), ImagePoint::new(100.0, 200.0))
@@ -240,6 +221,12 @@ mod tests {
             |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(point).unwrap();
         assert_eq!(shown(&joined.document), shown(&there));
         assert_eq!(joined.document.frames[4].image.as_deref(), Some("../elsewhere/images/0005.jpg"));
+        let field = joined.document.cameras[1].field.as_ref().unwrap();
+        assert_eq!((field.params["length_m"], field.params["width_m"]), (100.0, 64.0), "its field comes with it");
+        let videos = joined.document.frames.iter().map(|frame| frame.video.as_ref().map(|video| video.path.as_str()));
+        assert_eq!(videos.collect::<Vec<_>>()[3..5], [None, Some("../elsewhere/match.mp4")]);
+        assert_eq!(joined.pairs.len(), 4);
+        assert_eq!(joined.pairs[0].document, "images/0001.jpg");
         let again = join(joined.document.at(Path::new("/match")), &imported(awkward(), "/elsewhere"));
         assert_eq!((again.cameras, again.added), (0, 0), "a base that is there is not added twice");
     }

@@ -127,7 +127,11 @@ impl LabelMap {
             |name: Option<&str>| name.and_then(|name| ours(name, field)).map_or(Meaning::Unknown, Meaning::Target);
         Ok(match self {
             Self::Touchline => named(Some(label)),
-            Self::Roboflow32 => named(label.parse().ok().and_then(|index: usize| ROBOFLOW_32.get(index).copied())),
+            // An index as Roboflow counts, or the name that an export gives the point.
+            Self::Roboflow32 => match label.parse::<usize>() {
+                Ok(index) => named(ROBOFLOW_32.get(index).copied()),
+                Err(_) => named(ROBOFLOW_32.into_iter().find(|name| *name == label)),
+            },
             Self::Roboflow32Captions => {
                 let index = label.parse().ok().and_then(index_of_caption);
                 named(index.map(|index| ROBOFLOW_32[index]))
@@ -178,6 +182,8 @@ mod tests {
         let meaning = |map: LabelMap, label: &str| map.meaning(label, &field).unwrap();
         let target = |name: &str| Meaning::Target(Target::Landmark(name.into()));
         assert_eq!(meaning(LabelMap::Roboflow32, "13"), target("halfway_far"));
+        assert_eq!(meaning(LabelMap::Roboflow32, "halfway_far"), target("halfway_far"), "as an export calls it");
+        assert_eq!(meaning(LabelMap::Roboflow32, "centre_mark"), Meaning::Unknown, "none of the 32");
         assert_eq!(meaning(LabelMap::Roboflow32Captions, "13"), target("penalty_area_near_left_front"));
         assert_eq!(meaning(LabelMap::Roboflow32Captions, "14"), target("centre_circle_left"));
         assert_eq!(meaning(LabelMap::Roboflow32Captions, "19"), target("centre_circle_right"));

@@ -39,20 +39,44 @@ impl fmt::Display for Loss {
     }
 }
 
-/// Landmarks and points of lines in `world`, m.
-fn points_of(field: &FieldModel) -> Vec<Vec3> {
-    let landmarks = field.landmarks.iter().map(|landmark| field.landmark_in_world(landmark));
+/// A point of the field.
+#[derive(Clone, Copy)]
+struct FieldPoint {
+    /// Where it is on crowned ground, m.
+    in_world: Vec3,
+    /// Where the field's plan has it, m: homographies show the plan.
+    nominal: Vec3,
+}
+
+impl FieldPoint {
+    fn from_nominal(nominal: Vec3, field: &FieldModel) -> Self {
+        Self { in_world: field.world_from_nominal(nominal), nominal }
+    }
+
+    /// Where a frame shows it.
+    fn image_in(&self, frame: &FrameCamera) -> Option<ImagePoint> {
+        frame.image_from_world(if frame.pinhole().is_some() { self.in_world } else { self.nominal })
+    }
+}
+
+/// Landmarks and points of lines.
+fn points_of(field: &FieldModel) -> Vec<FieldPoint> {
+    let landmarks = field.landmarks.iter().map(|landmark| FieldPoint::from_nominal(landmark.nominal_m, field));
     let share = |step: usize| step as f64 / (LINE_POINTS - 1) as f64;
     let lines = field
         .lines
         .iter()
-        .flat_map(|line| (0..LINE_POINTS).map(move |step| field.world_from_nominal(line.curve.point_at(share(step)))));
+        .flat_map(|line| (0..LINE_POINTS).map(move |step| line.curve.point_at(share(step))))
+        .map(|nominal| FieldPoint::from_nominal(nominal, field));
     landmarks.chain(lines).collect()
 }
 
 /// Where points of the field are visible in a frame.
-fn visible<'a>(frame: &'a FrameCamera, points: &'a [Vec3]) -> impl Iterator<Item = (Vec3, ImagePoint)> + 'a {
-    let shown = |point: &Vec3| Some((*point, frame.image_from_world(*point)?));
+fn visible<'a>(
+    frame: &'a FrameCamera,
+    points: &'a [FieldPoint],
+) -> impl Iterator<Item = (FieldPoint, ImagePoint)> + 'a {
+    let shown = |point: &FieldPoint| Some((*point, point.image_in(frame)?));
     points.iter().filter_map(shown).filter(|(_, image)| frame.size.is_none_or(|size| size.contains(*image)))
 }
 
@@ -68,11 +92,11 @@ pub fn loss_between(frames: &[FrameCamera], held: &[FrameCamera], field: &FieldM
         let is_ground = matches!(kept.shown, Shown::Ground(_));
         let mut moved = 0.0_f64;
         for (point, image) in visible(frame, &points) {
-            if is_ground && point.z != 0.0 {
+            if is_ground && point.nominal.z != 0.0 {
                 loss.off_ground += 1;
                 continue;
             }
-            let Some(there) = kept.image_from_world(point) else { continue };
+            let Some(there) = point.image_in(kept) else { continue };
             let off_px = there.distance_px(image);
             (sum, count) = (sum + off_px * off_px, count + 1);
             moved = moved.max(off_px);
@@ -89,6 +113,17 @@ pub fn loss_between(frames: &[FrameCamera], held: &[FrameCamera], field: &FieldM
     loss.what.dedup();
     loss.rms_px = if count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
     (loss.worst_px > ROUNDING_PX || loss.off_ground > 0).then_some(loss)
+}
+
+/// How far points of the ground move in these frames if it is taken as flat, at most, px: readers of cameras do not know of a crown.
+#[must_use]
+pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
+    let points: Vec<FieldPoint> = points_of(field).into_iter().filter(|point| point.nominal.z == 0.0).collect();
+    let off_px = frames.iter().flat_map(|frame| {
+        visible(frame, &points)
+            .filter_map(|(point, image)| Some(frame.image_from_world(point.nominal)?.distance_px(image)))
+    });
+    off_px.fold(0.0, f64::max)
 }
 
 /// In what a kept frame differs from the frame.
@@ -115,8 +150,10 @@ fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
 #[must_use]
 pub fn farthest_landmark(frame: &FrameCamera, other: &FrameCamera, field: &FieldModel) -> (String, f64) {
     let mut farthest = (String::new(), 0.0);
+    // What a homography shows is compared with what was made of it on the plan of the field.
+    let is_ground = frame.pinhole().is_none() || other.pinhole().is_none();
     for landmark in &field.landmarks {
-        let point = field.landmark_in_world(landmark);
+        let point = if is_ground { landmark.nominal_m } else { field.landmark_in_world(landmark) };
         let Some(image) = frame.image_from_world(point).filter(|image| is_near(*image, frame.size)) else { continue };
         let off_px = other.image_from_world(point).map_or(f64::INFINITY, |there| there.distance_px(image));
         if !(off_px <= farthest.1) {

@@ -29,6 +29,7 @@ mod format;
 mod frame_camera;
 mod freed;
 mod gaps;
+mod ground_fit;
 mod held;
 mod homography_files;
 mod import;
@@ -46,7 +47,9 @@ mod npy;
 mod opencv_yaml;
 mod opentrackio;
 mod options;
+mod picture_size;
 mod pictures;
+mod places;
 mod rate;
 mod registry;
 mod soccernet;
@@ -59,6 +62,7 @@ mod tests;
 mod timecode;
 mod usda;
 mod values;
+mod work_packages;
 mod yolo_pose;
 
 pub use about::About;
@@ -76,10 +80,11 @@ pub use files::Files;
 pub use format::Format;
 pub use import::import;
 pub use imported::Imported;
-pub use join::{Joined, join};
+pub use join::{Joined, JoinedPair, join};
 pub use loss::Loss;
 pub use options::{
     ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;
+pub use work_packages::{restore_version, write_packages};

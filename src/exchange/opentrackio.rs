@@ -20,6 +20,7 @@ use crate::document::SolutionSource;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3, hex};
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
+use std::collections::BTreeSet;
 
 /// The format.
 pub struct OpenTrackIo;
@@ -57,7 +58,7 @@ fn static_part(frame: &FrameCamera, size: ImageSize, sensor_mm: f64, rate: Optio
 }
 
 fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
-    let (index, rate, code) = (frame.frame_index?, context.rate?, context.timecode(frame)?);
+    let (index, rate, code) = (frame.frame_index?, context.rate_of(frame)?, context.timecode(frame)?);
     Some(json!({
         "mode": "external",
         "sampleRate": rational(rate),
@@ -160,6 +161,48 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
     Ok((rotation, place))
 }
 
+/// What samples may say of a picture that is not read.
+const UNREAD: [&[&str]; 7] = [
+    &["static", "camera", "anamorphicSqueeze"],
+    &["static", "lens", "distortionOverscanMax"],
+    &["static", "lens", "undistortionOverscanMax"],
+    &["lens", "distortionOverscan"],
+    &["lens", "undistortionOverscan"],
+    &["lens", "distortionOffset"],
+    &["lens", "perspectiveShift"],
+];
+/// The version that is read.
+const VERSION: [f64; 3] = [1.0, 0.0, 1.0];
+
+/// What a sample says that changes the picture and is not read.
+fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
+    let find = |path: &[&str]| path.iter().try_fold(root.clone(), |node, key| node.find(key));
+    let mut unread: BTreeSet<String> = UNREAD
+        .iter()
+        .filter(|path| find(path).is_some_and(|node| !is_neutral(node.value())))
+        .map(|path| path.join("."))
+        .collect();
+    let version = find(&["protocol", "version"]).and_then(|version| version.numbers::<3>().ok());
+    if let Some([major, minor, patch]) = version.filter(|version| *version != VERSION) {
+        unread.insert(format!("protocol version {major}.{minor}.{patch} (taken as 1.0.1)"));
+    }
+    if find(&["lens", "distortion"]).and_then(|list| list.count().ok()).is_some_and(|count| count > 1) {
+        unread.insert("the second distortion of the lens".to_owned());
+    }
+    unread
+}
+
+/// Whether a value changes nothing: an offset of zero, a scale of one.
+fn is_neutral(value: &Value) -> bool {
+    match value {
+        Value::Object(parts) => match (parts.get("num"), parts.get("denom")) {
+            (Some(num), Some(denom)) => num == denom,
+            _ => parts.values().all(|part| part.as_f64() == Some(0.0)),
+        },
+        value => value.as_f64() == Some(1.0),
+    }
+}
+
 fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
     let Some(list) = lens.find("distortion") else { return Ok(Radial::default()) };
     for distortion in list.items()? {
@@ -227,14 +270,14 @@ impl CameraFormat for OpenTrackIo {
         Ok(FrameCamera { name: stem_of(frame), ..frame.clone() })
     }
 
-    fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+    fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         let mut notes = Vec::new();
         if context.options.sensor_width_mm.is_none() {
             notes.push(format!(
                 "the sensor's width is not known; lengths in mm are for a nominal {NOMINAL_MM} mm (--sensor-mm)"
             ));
         }
-        if context.rate.is_none() {
+        if frames.iter().any(|frame| context.rate_of(frame).is_none()) {
             notes.push("the frame rate is not known, so samples carry no timing (--fps)".to_owned());
         }
         notes
@@ -249,7 +292,7 @@ impl CameraFormat for OpenTrackIo {
             let mut sample = sample(frame, &pinhole, size, context);
             if index % every == 0 || last != Some((&frame.camera, size)) {
                 let sensor_mm = context.options.sensor_width_mm.unwrap_or(NOMINAL_MM);
-                sample.insert("static".to_owned(), static_part(frame, size, sensor_mm, context.rate));
+                sample.insert("static".to_owned(), static_part(frame, size, sensor_mm, context.rate_of(frame)));
             }
             last = Some((&frame.camera, size));
             text.push_str(&Value::Object(sample).to_string());
@@ -264,6 +307,17 @@ impl CameraFormat for OpenTrackIo {
 
     fn is_wanted(&self, name: &str) -> bool {
         has_ending(name, "jsonl")
+    }
+
+    fn unread(&self, files: &Files) -> Vec<String> {
+        let sorted = files.sorted();
+        let lines = sorted.iter().filter_map(|(_, bytes)| text(bytes).ok()).flat_map(str::lines);
+        let mut unread = BTreeSet::new();
+        for sample in lines.filter_map(|line| parse(line.as_bytes()).ok()) {
+            unread.extend(unread_of_sample(&Node::root(&sample)));
+        }
+        let unread: Vec<String> = unread.into_iter().collect();
+        if unread.is_empty() { Vec::new() } else { vec![format!("not read: {}", unread.join(", "))] }
     }
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
@@ -283,8 +337,32 @@ impl CameraFormat for OpenTrackIo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::Format;
     use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::{Files, Format};
+
+    #[test]
+    fn what_changes_the_picture_and_is_not_read_is_named() {
+        let text = text_of(&exported(&reference(), Format::OpenTrackIo).files, "camera.jsonl");
+        let unread = |sample: &Value| OpenTrackIo.unread(&Files::one("a.jsonl", sample.to_string().into_bytes()));
+        let mut sample: Value = serde_json::from_str(text.trim()).unwrap();
+        assert_eq!(unread(&sample), [""; 0]);
+        sample["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 1, "denom": 1 });
+        sample["lens"]["distortionOffset"] = json!({ "x": 0.0, "y": 0.0 });
+        sample["lens"]["distortionOverscan"] = 1.0.into();
+        assert_eq!(unread(&sample), [""; 0], "nothing changes");
+        sample["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 2, "denom": 1 });
+        sample["lens"]["distortionOffset"]["x"] = 0.1.into();
+        sample["lens"]["distortionOverscan"] = 1.2.into();
+        sample["protocol"]["version"] = json!([0, 9, 2]);
+        let first = sample["lens"]["distortion"][0].clone();
+        sample["lens"]["distortion"] = json!([first, first]);
+        let said = unread(&sample).concat();
+        for named in
+            ["anamorphicSqueeze", "distortionOffset", "distortionOverscan", "version 0.9.2", "second distortion"]
+        {
+            assert!(said.contains(named), "{named}: {said}");
+        }
+    }
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {

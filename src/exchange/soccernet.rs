@@ -11,6 +11,7 @@ use super::files::Files;
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::node::{Node, parse};
 use super::options::ImportOptions;
+use super::picture_size::SizeSource;
 use crate::camera::Radial;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use serde_json::{Value, json};
@@ -134,11 +135,20 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
     .checked("the camera")
 }
 
-/// The size of picture whose middle the principal point is; none where that is no whole number of pixels.
+/// Width by height of the pictures that cameras take.
+const USUAL_PROPORTIONS: [f64; 5] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 256.0 / 135.0, 5.0 / 4.0];
+/// Proportions that differ by less are one: sides are whole numbers.
+const SAME_PROPORTIONS: f64 = 0.005;
+
+/// The size of picture whose middle the principal point is; none where that is no size of a picture, as of a principal point beside the
+/// middle.
 #[must_use]
 pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
-    let side = |half: f64| (half > 0.0 && half < 32_768.0).then(|| (2.0 * half).round() as u32);
-    Some(ImageSize::new(side(point.x)?, side(point.y)?))
+    let is_whole = |side: f64| (side - side.round()).abs() < 1e-6 && ImageSize::is_side_px(side.round());
+    let (width, height) = (2.0 * point.x, 2.0 * point.y);
+    let is_usual = USUAL_PROPORTIONS.iter().any(|usual| (width / height / usual - 1.0).abs() < SAME_PROPORTIONS);
+    (is_whole(width) && is_whole(height) && is_usual)
+        .then(|| ImageSize::new(width.round() as u32, height.round() as u32))
 }
 
 /// The frame of a camera file.
@@ -165,6 +175,10 @@ fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
 }
 
 impl CameraFormat for SoccerNet {
+    fn size_source(&self) -> SizeSource {
+        SizeSource::PrincipalPoint
+    }
+
     fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         let name = stem_of(frame);
         if name.contains('.') {
@@ -222,6 +236,10 @@ impl CameraFormat for SoccerNet {
 }
 
 impl CameraFormat for PnlCalib {
+    fn size_source(&self) -> SizeSource {
+        SizeSource::PrincipalPoint
+    }
+
     fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         Ok(frame.clone())
     }

@@ -3,6 +3,7 @@
 use super::error::Problem;
 use super::files::text;
 use super::values::{clipped, frame_number};
+use crate::geometry::is_formula;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -206,18 +207,6 @@ fn split(text: &str) -> Result<Fields, Problem> {
     Ok(fields)
 }
 
-/// Whether a spreadsheet would calculate a cell, or would if apostrophes were taken from its front.
-fn is_formula(cell: &str) -> bool {
-    cell.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
-}
-
-/// A cell of somebody's words. One that a spreadsheet would take for a formula and calculate gets an apostrophe in front, which
-/// [`Row::text`] takes away again.
-#[must_use]
-pub fn text_cell(text: &str) -> String {
-    if is_formula(text) { format!("'{text}") } else { text.to_owned() }
-}
-
 /// Writes a row; fields with commas, quotes or line breaks are quoted.
 pub fn push_row(fields: &[String], into: &mut String) {
     for (index, field) in fields.iter().enumerate() {
@@ -235,6 +224,7 @@ pub fn push_row(fields: &[String], into: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::text_cell;
 
     #[test]
     fn fields_with_commas_and_quotes_come_back() {

@@ -26,6 +26,18 @@ pub fn hex(bytes: &[u8]) -> String {
     })
 }
 
+/// Whether a spreadsheet would calculate a cell, or would if apostrophes were taken from its front.
+#[must_use]
+pub fn is_formula(cell: &str) -> bool {
+    cell.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+}
+
+/// A cell of somebody's words. One that a spreadsheet would take for a formula and calculate gets an apostrophe in front.
+#[must_use]
+pub fn text_cell(text: &str) -> String {
+    if is_formula(text) { format!("'{text}") } else { text.to_owned() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

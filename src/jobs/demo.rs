@@ -48,10 +48,12 @@ fn delivered() -> Option<PathBuf> {
         .find(|folder| folder.join(PROJECT_FILE).exists())
 }
 
+/// Copies a match. Its project comes last: as long as it is not there, the match is copied again.
 fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(to)?;
-    for entry in std::fs::read_dir(from)? {
-        let entry = entry?;
+    let mut entries = std::fs::read_dir(from)?.collect::<std::io::Result<Vec<_>>>()?;
+    entries.sort_by_key(|entry| (entry.file_name() == PROJECT_FILE, entry.file_name()));
+    for entry in entries {
         let target = to.join(entry.file_name());
         if entry.file_type()?.is_dir() {
             copy_folder(&entry.path(), &target)?;
@@ -66,6 +68,24 @@ fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
 mod tests {
     use super::*;
     use crate::geometry::ImageSize;
+
+    #[test]
+    fn a_copy_that_is_interrupted_is_no_project() {
+        let place = tempfile::tempdir().unwrap();
+        let (from, to) = (place.path().join("from"), place.path().join("to"));
+        std::fs::create_dir_all(from.join("zz")).unwrap();
+        std::fs::write(from.join(PROJECT_FILE), "{}").unwrap();
+        std::fs::write(from.join("zz/1.jpg"), "picture").unwrap();
+        std::fs::write(from.join("a.txt"), "first").unwrap();
+        // A file in the way of the folder of pictures ends the copy there.
+        std::fs::create_dir(&to).unwrap();
+        std::fs::write(to.join("zz"), "in the way").unwrap();
+        assert!(copy_folder(&from, &to).is_err());
+        assert!(to.join("a.txt").exists() && !to.join(PROJECT_FILE).exists());
+        std::fs::remove_file(to.join("zz")).unwrap();
+        copy_folder(&from, &to).unwrap();
+        assert!(to.join(PROJECT_FILE).exists() && to.join("zz/1.jpg").exists());
+    }
 
     #[test]
     fn without_a_demo_beside_the_program_one_is_drawn_that_opens_and_can_be_stopped() {

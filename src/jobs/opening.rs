@@ -4,8 +4,8 @@ use super::JobError;
 use crate::app::Opened;
 use crate::app::session::Level;
 use crate::document::{Document, FieldSpec, document_from_frames};
-use crate::media::{CountProgress, FrameSource, MediaError};
-use crate::store::{Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans};
+use crate::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
+use crate::store::{Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -46,10 +46,8 @@ pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>)
         return open_document(path, held, Vec::new());
     }
     let path = std::fs::canonicalize(path).map_err(JobError::io(path))?;
-    for folder in project_folders(&path) {
-        if folder.join(PROJECT_FILE).exists() {
-            return open_document(&folder, held, Vec::new());
-        }
+    if let Some(folder) = find_project(&path) {
+        return open_document(&folder, held, Vec::new());
     }
     let mut counting = |progress: CountProgress| watch(format!("Counting frames: {}…", progress.counted));
     let source = FrameSource::open_watched(&path, &mut counting)?;
@@ -100,20 +98,59 @@ fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Where the project of a folder of frames or of a video may lie, the better place first.
+/// The project of a folder of frames or of a video. One in the user's own folder counts only if its frames are these: two matches may
+/// have the same names.
+fn find_project(path: &Path) -> Option<PathBuf> {
+    let is_there = |folder: &PathBuf| folder.join(PROJECT_FILE).exists();
+    let own = user_projects().into_iter().flat_map(|projects| [own_place(&projects, path), old_place(&projects, path)]);
+    beside(path)
+        .filter(is_there)
+        .or_else(|| own.into_iter().find(|folder| is_there(folder) && is_of_frames(folder, path)))
+}
+
+/// Where the project of a folder of frames or of a video is made, the better place first.
 fn project_folders(path: &Path) -> Vec<PathBuf> {
+    beside(path).into_iter().chain(user_projects().map(|projects| own_place(&projects, path))).collect()
+}
+
+fn beside(path: &Path) -> Option<PathBuf> {
+    path.parent().map(|parent| parent.join(project_name(path)))
+}
+
+fn project_name(path: &Path) -> OsString {
     let mut name: OsString = path.file_name().unwrap_or_default().to_owned();
     name.push(PROJECT_SUFFIX);
-    let beside = path.parent().map(|parent| parent.join(&name));
-    let own = user_projects().map(|folder| {
-        let mut parts = path.parent().into_iter().flat_map(Path::components).filter_map(|part| match part {
-            std::path::Component::Normal(name) => Some(name.to_owned()),
-            _ => None,
-        });
-        let place = parts.next_back().map_or_else(PathBuf::new, PathBuf::from);
-        folder.join(place).join(&name)
-    });
-    beside.into_iter().chain(own).collect()
+    name
+}
+
+/// The place among the user's own projects: the frames' last folder, so that people find it, and a digest of the whole path, since
+/// cameras call their folders alike.
+fn own_place(projects: &Path, path: &Path) -> PathBuf {
+    const DIGITS: usize = 12;
+    let digest = sha256_of_bytes(path.as_os_str().as_encoded_bytes());
+    let mut place = last_folder(path);
+    place.push("-");
+    place.push(&digest[..DIGITS.min(digest.len())]);
+    projects.join(place).join(project_name(path))
+}
+
+/// Where earlier versions made it.
+fn old_place(projects: &Path, path: &Path) -> PathBuf {
+    projects.join(last_folder(path)).join(project_name(path))
+}
+
+fn last_folder(path: &Path) -> OsString {
+    path.parent().and_then(Path::file_name).map_or_else(OsString::new, ToOwned::to_owned)
+}
+
+/// Whether a project's frames are those of a folder or of a video.
+fn is_of_frames(project: &Path, path: &Path) -> bool {
+    let Ok((location, document, _)) = read(project) else { return false };
+    let is_below = |file: PathBuf| std::fs::canonicalize(file).is_ok_and(|file| file.starts_with(path));
+    document.frames.iter().any(|frame| {
+        let video = frame.video.as_ref().map(|video| video.file_path(location.folder()));
+        frame.image_path(location.folder()).into_iter().chain(video).any(is_below)
+    })
 }
 
 /// The folder of this user's own projects.
@@ -163,6 +200,27 @@ mod tests {
         assert!(again.store.is_some());
         let second = open(&frames).unwrap();
         assert!(second.store.is_none() && second.opened.read_only.is_some(), "two at once: the second only looks");
+    }
+
+    #[test]
+    fn frames_of_two_matches_with_the_same_names_have_two_projects() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path().canonicalize().unwrap();
+        let projects = root.join("projects");
+        let [red, blue] = ["red", "blue"].map(|card| root.join(card).join("DCIM/clip"));
+        for frames in [&red, &blue] {
+            std::fs::create_dir_all(frames).unwrap();
+            image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+        }
+        assert_ne!(own_place(&projects, &red), own_place(&projects, &blue));
+        assert_eq!(own_place(&projects, &red).file_name().unwrap(), "clip.touchline");
+        // Where an earlier version kept the one of the red card.
+        let old = old_place(&projects, &red);
+        assert_eq!(old, old_place(&projects, &blue));
+        let source = FrameSource::open(&red).unwrap();
+        let made = document_from_frames(&source, &old, FieldSpec::new(DEFAULT_FIELD), NonZeroUsize::MIN, &|| {});
+        write_project(&old, &made.document).unwrap();
+        assert!(is_of_frames(&old, &red) && !is_of_frames(&old, &blue));
     }
 
     #[test]

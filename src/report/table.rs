@@ -1,5 +1,6 @@
 //! One table: as aligned text, Markdown, CSV and JSON.
 
+use crate::geometry::text_cell;
 use serde_json::{Map, Value};
 use std::fmt::{self, Write as _};
 
@@ -88,11 +89,11 @@ impl fmt::Display for Cell {
 }
 
 impl Cell {
-    /// For files: the shortest that reads back to the last digit.
+    /// For CSV: the shortest that reads back to the last digit; words that no spreadsheet calculates.
     fn exact(&self) -> String {
         match self {
             Self::Empty => String::new(),
-            Self::Text(text) => text.clone(),
+            Self::Text(text) => text_cell(text),
             Self::Count(count) => count.to_string(),
             Self::Number(number) | Self::Fixed(number, _) => number.to_string(),
         }

@@ -3,14 +3,9 @@
 use super::StoreError;
 use super::atomic::{folder_of, with_suffix};
 use super::file_id::is_same_file;
+pub use crate::files::{PROJECT_FILE, PROJECT_SUFFIX};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// The document's file in a project folder.
-pub const PROJECT_FILE: &str = "project.json";
-
-/// What a folder of frames or a video gives its project's name: `match.mp4` lies beside `match.mp4.touchline/`.
-pub const PROJECT_SUFFIX: &str = ".touchline";
 
 /// Where a document lies: a file, and the folder that its relative paths start from.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -84,7 +84,7 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
     assert_eq!(text, again, "the same input gives the same bytes, whatever people clicked");
 
     let other = touchline(place.path(), "calibrate match/images -o other --field basketball_fiba");
-    assert_eq!((other.code, other.stderr.trim_end().lines().count()), (2, 1), "{}", other.stderr);
+    assert_eq!((other.code, other.stderr.trim_end().lines().count()), (1, 1), "{}", other.stderr);
     let refusals = ["not certain", "no place for the camera"];
     assert!(refusals.iter().any(|refusal| other.stderr.contains(refusal)), "{}", other.stderr);
     assert!(!place.path().join("other").exists(), "nothing is left behind");
@@ -111,7 +111,9 @@ fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
         ("calibrate grey -o found --panorama map.jpg", "must end with .png"),
     ] {
         let ran = touchline(place.path(), arguments);
-        assert_eq!((ran.code, ran.stderr.trim_end().lines().count()), (2, 1), "{arguments}: {}", ran.stderr);
+        // That there is no answer is no mistake of the user's.
+        let code = if named.contains("match each other") { 1 } else { 2 };
+        assert_eq!((ran.code, ran.stderr.trim_end().lines().count()), (code, 1), "{arguments}: {}", ran.stderr);
         assert!(ran.stderr.contains(named), "{arguments}: {}", ran.stderr);
         assert!(!place.path().join("found").exists(), "{arguments}");
     }

@@ -257,3 +257,63 @@ fn wrong_usage_is_one_line_and_exit_two() {
     }
     assert!(!folder.path().join("m").exists(), "nothing was made");
 }
+
+#[test]
+fn an_import_of_a_document_sees_its_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("match");
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document.frames.push(Frame::from_image("a.png", "main".into(), SIZE).into());
+    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document, false).unwrap();
+    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    let mut after = document.clone();
+    after.frames[0].clicks.push(Click::landmark("centre_mark".into(), SIZE.centre()));
+    store.append(&[Edit::between(&document, &after, "Click")]).unwrap();
+    let ran = touchline(folder.path(), "import match/project.json --format json -o imported.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert_eq!(read(&folder.path().join("imported.json")).unwrap().1.frames[0].clicks.len(), 1);
+}
+
+#[test]
+fn a_field_of_the_users_own_is_found_from_where_the_document_lies() {
+    let folder = tempfile::tempdir().unwrap();
+    let template = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/fields/soccer.json");
+    fs::copy(template, folder.path().join("mine.json")).unwrap();
+    fs::create_dir(folder.path().join("labels")).unwrap();
+    clicked_document(folder.path(), &[2]);
+    assert_eq!(touchline(folder.path(), "export doc.json --format labelme -o labels/out").code, 0);
+    let ran = touchline(
+        folder.path(),
+        "import labels/out --format labelme --field mine.json --size 1280x720 -o deep/doc.json",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let (location, imported, _) = read(&folder.path().join("deep/doc.json")).unwrap();
+    imported.field.model(location.folder()).unwrap();
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_result_goes_through_a_pipe_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    clicked_document(folder.path(), &[2]);
+    let direct = touchline(folder.path(), "solve doc.json");
+    let by_name = touchline(folder.path(), "solve doc.json -o /dev/stdout");
+    assert_eq!((by_name.code, &by_name.stdout), (0, &direct.stdout), "{}", by_name.stderr);
+    let filtered = touchline(folder.path(), "export doc.json --format json --status draft");
+    assert!(filtered.stdout.contains("\"images/0.png\""), "{}", filtered.stdout);
+    fs::create_dir(folder.path().join("elsewhere")).unwrap();
+    let elsewhere = touchline(&folder.path().join("elsewhere"), "export ../doc.json --format json --status draft");
+    assert!(elsewhere.stdout.contains("\"../images/0.png\""), "{}", elsewhere.stdout);
+}
+
+#[test]
+fn a_check_prints_no_character_that_a_terminal_obeys() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = clicked_document(folder.path(), &[1]);
+    document.frames[0].image = Some("a\u{1b}[2J\u{202e}.png".to_owned());
+    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    let ran = touchline(folder.path(), "check doc.json");
+    assert!(ran.stdout.contains(r"a\u{1b}[2J\u{202e}.png"), "{}", ran.stdout);
+    assert!(!ran.stdout.contains(['\u{1b}', '\u{202e}']), "{}", ran.stdout);
+}

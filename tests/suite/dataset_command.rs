@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    document_to_string,
+    Camera, Click, Clip, Document, Extra, FieldSpec, Frame, FramePtz, FrameStatus, Shot, ShotEnd, ShotKind, Solution,
+    SolutionSource, VideoFrame, document_to_string,
 };
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
@@ -167,8 +167,15 @@ fn the_same_input_gives_the_same_bytes_and_nothing_is_replaced_unasked() {
         "touchline: a already exists; give --force to replace it, or another -o"
     );
     fs::write(folder.path().join("a/own.txt"), "mine").unwrap();
-    assert_eq!(export("--dataset a --force").code, 1);
-    assert!(!folder.path().join("a/own.txt").exists());
+    let refused = export("--dataset a --force");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("a holds own.txt, which would be lost; move it away"), "{}", refused.stderr);
+    fs::remove_file(folder.path().join("a/own.txt")).unwrap();
+    // A picture that the next dataset leaves out goes, unless somebody changed it.
+    fs::write(folder.path().join("a/images/test/note.txt"), "mine").unwrap();
+    assert_eq!(export("--dataset a --force").code, 2);
+    fs::remove_file(folder.path().join("a/images/test/note.txt")).unwrap();
+    assert_eq!(export("--dataset a --force --seed 7").code, 1);
     fs::create_dir(folder.path().join("home")).unwrap();
     fs::write(folder.path().join("home/own.txt"), "mine").unwrap();
     let refused = export("--dataset home --force");
@@ -240,6 +247,13 @@ fn frames_and_pictures_are_chosen() {
     assert!(ran.stderr.contains("images/0001.jpg: "), "{}", ran.stderr);
     assert!(ran.stderr.contains("10 frames and 10 pictures in some"), "{}", ran.stderr);
     assert!(!folder.path().join("some/images/0000.jpg").exists());
+    for (number, options) in ["--images extract", "--images none", "--images none --undistorted"].iter().enumerate() {
+        let ran = touchline(folder.path(), &format!("export doc.json --dataset changed{number} {options}"));
+        let says = "images/0000.jpg: its picture changed since it was labelled";
+        assert!(ran.stderr.contains(says), "{options}: {}", ran.stderr);
+        let (_, written, _) = read(&folder.path().join(format!("changed{number}/dataset.json"))).unwrap();
+        assert!(written.frames.by_id(&document.frames[0].id).is_none(), "{options}");
+    }
     let other = folder.path().join("other");
     fs::create_dir(&other).unwrap();
     fs::copy(folder.path().join("images/0002.jpg"), other.join("0002.jpg")).unwrap();
@@ -249,6 +263,53 @@ fn frames_and_pictures_are_chosen() {
     assert_eq!(ran.code, 2);
     assert!(ran.stderr.contains("would both be written as images/0002.jpg"), "{}", ran.stderr);
     assert!(!folder.path().join("twice").exists());
+}
+
+#[test]
+fn pictures_from_outside_of_the_project_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("project");
+    fs::create_dir(&project).unwrap();
+    let mut document = document(&project);
+    fs::rename(project.join("images/0001.jpg"), folder.path().join("private.jpg")).unwrap();
+    document.frames[1].image = Some("../private.jpg".to_owned());
+    fs::write(project.join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    let ran = touchline(&project, "export doc.json --dataset set");
+    let says = "private.jpg lies outside of the project; --outside-pictures takes it too";
+    assert!(ran.code == 1 && ran.stderr.contains(says), "{}", ran.stderr);
+    assert!(ran.stderr.contains("11 frames and 11 pictures in set"), "{}", ran.stderr);
+    assert!(!project.join("set/images/private.jpg").exists());
+    let ran = touchline(&project, "export doc.json --dataset all --outside-pictures");
+    assert!(ran.stderr.contains("1 pictures come from outside of the project, the first from "), "{}", ran.stderr);
+    assert!(project.join("all/images/private.jpg").is_file());
+    // What is only named is not taken along.
+    let ran = touchline(&project, "export doc.json --dataset named --images none");
+    assert!(ran.stderr.contains("12 frames and 0 pictures in named"), "{}", ran.stderr);
+}
+
+#[test]
+fn shots_of_another_video_stay_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document(folder.path());
+    document.cameras.push(Camera { id: "second".into(), ..(*document.cameras[0]).clone() }.into());
+    for (index, frame) in document.frames.iter_mut().enumerate() {
+        let (video, camera) = if index < 6 { ("a.mp4", "main") } else { ("b.mp4", "second") };
+        frame.video = Some(VideoFrame::new(video, index as u64, None));
+        (frame.image, frame.camera) = (None, camera.into());
+    }
+    // Bare numbers count in the first video.
+    let ends = |from, to| (ShotEnd::VideoFrame(from), ShotEnd::VideoFrame(to));
+    for (from, to) in [ends(0, 2), ends(3, 5)] {
+        document.shots.push(Shot { from, to, camera: None, kind: ShotKind::Cut, extra: Extra::new() });
+    }
+    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    for (camera, shots) in [("main", 2), ("second", 0)] {
+        let ran =
+            touchline(folder.path(), &format!("export doc.json --dataset {camera} --camera {camera} --images none"));
+        assert!(ran.code < 2, "{}", ran.stderr);
+        let (_, dataset, _) = read(&folder.path().join(camera).join("dataset.json")).unwrap();
+        assert_eq!(dataset.shots.len(), shots, "{camera}");
+    }
 }
 
 #[test]

@@ -181,3 +181,31 @@ fn nothing_to_compare_with_is_said_in_one_line() {
     let missing = touchline(folder.path(), "evaluate truth.json nowhere.json");
     assert_eq!((missing.code, missing.stderr.lines().count()), (2, 1), "{}", missing.stderr);
 }
+
+#[test]
+fn frames_of_two_matches_with_the_same_names_are_not_compared() {
+    let folder = folder();
+    let (mut truth, mut estimate) = (document(3), document(3));
+    for (document, digit) in [(&mut truth, "a"), (&mut estimate, "b")] {
+        for frame in &mut document.frames {
+            frame.sha256 = Some(digit.repeat(64));
+        }
+    }
+    write(folder.path(), "red.json", &truth);
+    write(folder.path(), "blue.json", &estimate);
+    let ran = touchline(folder.path(), "evaluate red.json blue.json --json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert_eq!(ran.stderr.matches("the estimate has no such frame").count(), 3, "{}", ran.stderr);
+}
+
+#[test]
+fn no_name_is_a_formula_in_the_table() {
+    let folder = folder();
+    let mut truth = document(1);
+    truth.frames[0].image = Some("=cmd|'-1'!A0".to_owned());
+    write(folder.path(), "named.json", &truth);
+    let ran = touchline(folder.path(), "evaluate named.json named.json -o named.csv");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let table = std::fs::read_to_string(folder.path().join("named.csv")).unwrap();
+    assert!(table.lines().nth(1).unwrap().starts_with("'=cmd"), "{table}");
+}

@@ -79,6 +79,74 @@ fn cameras_go_out_and_come_back_through_every_format_that_holds_them() {
 }
 
 #[test]
+fn cameras_of_another_size_than_their_pictures_are_rescaled_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let document = document(folder.path());
+    // Formats name a picture by its stem or by its path.
+    let pictures = |name: &str, size: ImageSize| {
+        fs::create_dir_all(folder.path().join(name).join("images")).unwrap();
+        for file in (0..3).flat_map(|index| [format!("{index}.jpg"), format!("images/{index}.jpg")]) {
+            image::RgbImage::new(size.width, size.height).save(folder.path().join(name).join(file)).unwrap();
+        }
+    };
+    pictures("pictures", SIZE);
+    pictures("square", ImageSize::new(720, 720));
+    for (format, output) in [
+        ("soccernet", "sn"),
+        ("csv", "cameras.csv"),
+        ("broadtrack", "bt.json"),
+        ("colmap", "colmap"),
+        ("opencv", "opencv"),
+        ("opentrackio", "track.jsonl"),
+    ] {
+        let ran = touchline(folder.path(), &format!("export doc.json --format {format} --size 640x360 -o {output}"));
+        assert_eq!(ran.code, 1, "one frame is not solved: {}", ran.stderr);
+        let import = |images: &str| {
+            touchline(
+                folder.path(),
+                &format!("import {output} --format {format} --images {images} -o {format}-{images}.json"),
+            )
+        };
+        let ran = import("pictures");
+        assert_eq!(ran.code, 0, "{format}: {}", ran.stderr);
+        let said = "3 cameras were rescaled to the size of their pictures, the first from 640 × 360 to 1280 × 720";
+        assert!(ran.stderr.contains(said), "{format}: {}", ran.stderr);
+        let (_, back, _) = read(&folder.path().join(format!("{format}-pictures.json"))).unwrap();
+        let worst = apart_px(&document, &back);
+        assert!(worst < 1e-6, "{format}: {worst}");
+        let ran = import("square");
+        assert_eq!((ran.code, ran.stderr.lines().count()), (2, 1), "{format}: {}", ran.stderr);
+        assert!(
+            ran.stderr.contains("is of a picture of 640 × 360 px, and its picture has 720 × 720"),
+            "{}",
+            ran.stderr
+        );
+    }
+}
+
+#[test]
+fn an_assumed_size_and_a_crown_that_is_lost_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document(folder.path());
+    document.field.set_crown_m(0.35);
+    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    for (format, output) in [("wc14", "h"), ("soccernet", "sn"), ("csv", "cameras.csv")] {
+        let ran = touchline(folder.path(), &format!("export doc.json --format {format} -o {output}"));
+        assert!(
+            ran.stderr.contains("not held: the crown of 0.35 m; on flat ground points of the field are up to "),
+            "{}",
+            ran.stderr
+        );
+    }
+    let ran = touchline(folder.path(), "import h --format wc14 -o back.json");
+    assert!(
+        ran.stderr.contains("the picture size of 3 frames is assumed, as that of the set (1280 × 720)"),
+        "{}",
+        ran.stderr
+    );
+}
+
+#[test]
 fn what_a_format_cannot_hold_is_said_and_nothing_is_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     document(folder.path());

@@ -64,8 +64,13 @@ fn a_forest_of_the_references_answers_the_other_frames() {
     let kept = || fs::read_dir(folder.join(".touchline/features")).unwrap().count();
     assert_eq!(kept(), 5, "features are found once");
 
-    let ran = touchline(&folder, "relocalize forest.tlf ask.json -o answers.json");
+    let ran = touchline(&folder, "relocalize forest.tlf ask.json -o answers.json --timings");
     assert_eq!(kept(), 10);
+    for output in ["first.json", "second.json"] {
+        assert!(touchline(&folder, &format!("relocalize forest.tlf ask.json -o {output}")).code < 2);
+    }
+    let bytes = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    assert!(bytes("first.json") == bytes("second.json") && !bytes("first.json").contains("timings_ms"));
     let (truth, answers) = (document(&folder.join("truth.json")), document(&folder.join("answers.json")));
     let mut answered = 0;
     for (index, (frame, truth)) in answers.frames.iter().zip(&truth.frames).enumerate() {

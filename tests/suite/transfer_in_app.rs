@@ -182,3 +182,51 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     headless.act(Action::Command(Command::Undo));
     assert!(headless.app.open().unwrap().document.frames[2].clicks.is_empty());
 }
+
+#[test]
+fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    let labels = folder.path().join("labels.json");
+    let mut document = (*headless.app.open().unwrap().document).clone();
+    document.frames[2].clicks = vec![Click::landmark("halfway_far".into(), ImagePoint::new(70.0, 30.0))];
+    document.frames[2].status = FrameStatus::Draft;
+    std::fs::write(&labels, document_to_string(&document).unwrap()).unwrap();
+    headless.act(Action::Command(Command::Import));
+    act(&mut headless, TransferAction::ImportFormat(Format::Json));
+    headless.answer(Question::ImportFrom(Format::Json), &labels);
+    // The document changes while the background looks, before it reports.
+    headless.act(Action::SetComment("meanwhile".to_owned()));
+    let changed = headless.app.open().unwrap().document.frames.clone();
+    assert_eq!(changed[0].comment.as_deref(), Some("meanwhile"));
+    assert!(matches!(found(&mut headless), Look::Import(Ok(_))));
+    act(&mut headless, TransferAction::TakeOver);
+    assert_eq!(headless.app.open().unwrap().document.frames, changed, "the change is not taken back");
+    let said = "The document changed in the meantime; choose the file again.";
+    assert!(headless.app.session.notices.iter().any(|notice| notice.text == said));
+}
+
+#[test]
+fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let headless = opened(folder.path());
+    let mut document = (*headless.app.open().unwrap().document).clone();
+    for frame in &mut document.frames {
+        frame.sha256 = touchline::media::sha256_of_file(&frame.image_path(folder.path()).unwrap()).ok();
+    }
+    drop(headless);
+    std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([9, 9, 9]))
+        .save(folder.path().join("0001.png"))
+        .unwrap();
+    let mut headless = Headless::opened(folder.path());
+    headless.wait_until("comparing", |app| app.other_picture(1).is_some());
+    assert!(headless.app.other_picture(1).unwrap().starts_with("the image changed since it was labelled"));
+    headless.wait_until("the notice", |app| {
+        app.session
+            .notices
+            .iter()
+            .any(|notice| notice.text == "The picture of 0001.png is not the one that was labelled.")
+    });
+    assert_eq!([0, 2, 3].map(|index| headless.app.other_picture(index)), [None; 3]);
+}

@@ -7,6 +7,7 @@ mod camera_watch;
 mod clip_tracking;
 pub mod comparison;
 mod line_check;
+mod picture_check;
 
 pub use camera_search::CameraSearch;
 pub use camera_watch::CameraWatch;
@@ -22,6 +23,7 @@ use camera_watch::CameraWatchState;
 use clip_tracking::ClipTrackingState;
 use comparison::ComparisonState;
 use line_check::LineChecks;
+use picture_check::PictureComparisonState;
 
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
 #[derive(Debug, Default)]
@@ -36,6 +38,8 @@ pub struct Operations {
     pub comparison: ComparisonState,
     /// What the painted lines say about the frames' cameras.
     pub(in crate::app) line_checks: LineChecks,
+    /// Whether the pictures are those that the document means.
+    pub(in crate::app) picture_comparison: PictureComparisonState,
     #[cfg(test)]
     pub(crate) probe: ProbeState,
 }

@@ -82,6 +82,7 @@ impl App {
         self.offer_tour();
         self.find_burnt_in();
         self.find_shots_of_new();
+        self.compare_pictures();
     }
 
     /// Asks for the field templates that the document came to name.

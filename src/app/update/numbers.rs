@@ -215,7 +215,7 @@ mod tests {
     fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
         for own_field in [false, true] {
             let mut app = app(own_field);
-            app.session.transfer.under_way = Some(UnderWay { ticket: 1, writes: true, pictures: None });
+            app.session.transfer.under_way = Some(UnderWay { ticket: 1, revision: 0, writes: true, pictures: None });
             app.update(Action::Transfer(TransferAction::Written { ticket: 1, result: Ok("written".to_owned()) }));
             let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
             assert_eq!(offers(&app), 1, "{:?}", app.session.notices);

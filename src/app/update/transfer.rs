@@ -43,9 +43,8 @@ impl App {
                 return;
             }
             TransferAction::Looked { ticket, look } => {
-                if transfer.under_way.take_if(|work| work.ticket == ticket).is_some() {
-                    let revision = self.open.as_ref().map_or(0, |open| open.revision);
-                    self.session.transfer.found = Some(Found { revision, look });
+                if let Some(work) = transfer.under_way.take_if(|work| work.ticket == ticket) {
+                    transfer.found = Some(Found { revision: work.revision, look });
                 }
                 return;
             }
@@ -86,7 +85,7 @@ impl App {
         }
         transfer.tickets += 1;
         let ticket = transfer.tickets;
-        transfer.under_way = Some(UnderWay { ticket, writes: work.writes(), pictures: None });
+        transfer.under_way = Some(UnderWay { ticket, revision: open.revision, writes: work.writes(), pictures: None });
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
         self.effects.push(Effect::Transfer(Box::new(TransferOrder { ticket, document, folder, work })));
     }

@@ -219,6 +219,37 @@ pub enum Fault {
         /// k₁ at the frame's focal length.
         k1: f64,
     },
+    /// The camera stands under the ground.
+    #[error("stands {:.1} m under the ground; check its position and the sign of z", -.z_m)]
+    UnderGround {
+        /// Its height, m.
+        z_m: f64,
+    },
+    /// The camera stands too far away to see anything.
+    #[error("stands {distance_m:.0} m from the middle of the field; check its position and its unit")]
+    FarAway {
+        /// From the middle of the field, m.
+        distance_m: f64,
+    },
+    /// The camera shows no part of the field.
+    #[error("its camera does not look at the field; check pan and tilt, or solve it again")]
+    LooksElsewhere,
+    /// No lens has this focal length.
+    #[error("its focal length of {focal_px} px is none of a lens ({shortest:.0} to {longest:.0} px); solve it again")]
+    NoSuchFocalLength {
+        /// px.
+        focal_px: f64,
+        /// The shortest of a picture of this width, px.
+        shortest: f64,
+        /// The longest, px.
+        longest: f64,
+    },
+    /// No lens distorts like this.
+    #[error("no lens distorts like k1 = {k1:.4}; check the distortion")]
+    NoSuchLens {
+        /// k₁ at the frame's focal length.
+        k1: f64,
+    },
     /// The solution speaks of a click that does not exist.
     #[error("its solution refers to click {}, but there are {clicks}; solve it again", .click + 1)]
     NoSuchClick {
@@ -311,6 +342,11 @@ impl Fault {
             Self::Unsolved { .. } => "unsolved",
             Self::NoReason => "no_reason",
             Self::LensFolds { .. } => "lens_folds",
+            Self::UnderGround { .. } => "under_ground",
+            Self::FarAway { .. } => "far_away",
+            Self::LooksElsewhere => "looks_elsewhere",
+            Self::NoSuchFocalLength { .. } => "no_such_focal_length",
+            Self::NoSuchLens { .. } => "no_such_lens",
             Self::NoSuchClick { .. } => "no_such_click",
             Self::Picture { missing: true, .. } => "missing_picture",
             Self::Picture { .. } => "unreadable_picture",

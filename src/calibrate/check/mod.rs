@@ -3,12 +3,13 @@
 mod cameras;
 mod fault;
 mod pictures;
+mod plausible;
 mod still;
 mod values;
 
 pub use cameras::check_cameras;
 pub use fault::{Fault, Problem};
-pub use pictures::check_pictures;
+pub use pictures::{PictureCheck, check_pictures};
 pub use still::check_still_runs;
 pub use values::check_values;
 

@@ -8,13 +8,34 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+/// Compares the pictures of a document with what it states of them. Every video is opened once.
+pub struct PictureCheck<'a> {
+    document: DocumentAt<'a>,
+    videos: Videos,
+}
+
+impl<'a> PictureCheck<'a> {
+    /// Opens the videos of a document.
+    #[must_use]
+    pub fn open(document: DocumentAt<'a>) -> Self {
+        Self { document, videos: videos(document) }
+    }
+
+    /// What is wrong with the picture of a frame, by its position.
+    #[must_use]
+    pub fn faults(&self, index: usize) -> Vec<Fault> {
+        let frame = self.document.frames.get(index);
+        frame.map_or_else(Vec::new, |frame| check_frame(frame, self.document.folder, &self.videos))
+    }
+}
+
 /// Everything wrong with the pictures of a document, in its order. `progress` is called once for each frame, from any
 /// thread. Images are read in parallel, every video is opened once.
 #[must_use]
 pub fn check_pictures(document: DocumentAt<'_>, progress: &(dyn Fn() + Sync)) -> Vec<Problem> {
-    let videos = videos(document);
-    let faults = document.frames.par_iter().map(|frame| {
-        let faults = check_frame(frame, document.folder, &videos);
+    let check = PictureCheck::open(document);
+    let faults = (0..document.frames.len()).into_par_iter().map(|index| {
+        let faults = check.faults(index);
         progress();
         faults
     });

@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, Problem};
 use super::place_of;
+use super::plausible::{check_place, check_view};
 use crate::document::{Camera, Document, DocumentAt, FieldSpec, Frame, FrameStatus, ShotEnd, StoredClickNoise, Target};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
@@ -40,6 +41,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             problem(place(), Fault::Field { message });
         }
         check_camera(camera, &mut |fault| problem(place(), fault));
+        check_place(camera, &mut |fault| problem(place(), fault));
     }
     let duplicates = duplicates(&document);
     for (index, frame) in document.frames.iter().enumerate() {
@@ -159,6 +161,7 @@ fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, p
         FrameStatus::Rejected if frame.reason.is_none() => problem(Fault::NoReason),
         _ => {}
     }
+    check_view(document, frame, field, problem);
     check_clicks(frame, field, problem);
     check_repeats(frame, field, problem);
     check_masks(&frame.masks, frame.image_size, problem);

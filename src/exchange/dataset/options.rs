@@ -14,6 +14,8 @@ pub struct DatasetOptions {
     pub picture_format: PictureFormat,
     /// Pictures without lens distortion as well, with a `dataset.json` of their own.
     pub undistorted: bool,
+    /// Pictures from outside of the project's folder are taken too.
+    pub outside: bool,
     /// How frames are divided; none: not at all.
     pub splitting: Option<Splitting>,
     /// The licence of the labels and pictures, for the card.
@@ -27,6 +29,7 @@ impl Default for DatasetOptions {
             pictures: Pictures::default(),
             picture_format: PictureFormat::default(),
             undistorted: false,
+            outside: false,
             splitting: None,
             licence: None,
         }

@@ -2,14 +2,14 @@
 
 use super::options::PictureFormat;
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::parent;
+use crate::files::folder_of;
 use crate::geometry::hex;
 use crate::media::{Picture, sha256_of_file};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageError};
 use sha2::{Digest, Sha256};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
@@ -39,6 +39,11 @@ impl<'a> Folder<'a> {
             let _ = writeln!(text, "{hash}  {name}");
             text
         })
+    }
+
+    /// The names of the files that were written.
+    pub fn into_names(self) -> BTreeSet<String> {
+        self.hashes.into_keys().collect()
     }
 
     /// Writes a file; its SHA-256.
@@ -83,7 +88,7 @@ impl<'a> Folder<'a> {
     /// Where a file is written until the folder is whole.
     fn file(&self, name: &str) -> Result<PathBuf, ExchangeError> {
         let path = self.root.join(name);
-        fs::create_dir_all(parent(&path)).map_err(|source| self.failed(name, source))?;
+        fs::create_dir_all(folder_of(&path)).map_err(|source| self.failed(name, source))?;
         Ok(path)
     }
 }

@@ -3,13 +3,14 @@
 use super::label_origin::LabelOrigin;
 use super::names::picture_name;
 use super::options::{DatasetOptions, Pictures};
+use super::outside::OwnPlaces;
 use super::split::{Split, split};
 use crate::document::{DocumentAt, Frame, FrameId};
 use crate::exchange::choose::is_chosen;
 use crate::exchange::error::ExchangeError;
 use crate::media::{FrameRef, image_size};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What a dataset will hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +53,22 @@ pub(super) enum Source {
     Decoded(FrameRef),
 }
 
+impl PlannedFrame {
+    /// Whether the dataset gets a picture of it.
+    const fn takes_picture(&self) -> bool {
+        self.picture.is_some() || self.undistorted.is_some()
+    }
+}
+
 impl Source {
+    /// The image file or the video.
+    fn file(&self) -> &Path {
+        match self {
+            Self::File(path) => path,
+            Self::Decoded(FrameRef::Image(path) | FrameRef::Video { path, .. }) => path,
+        }
+    }
+
     /// The frame that is decoded for further pictures.
     pub fn frame_ref(&self) -> FrameRef {
         match self {
@@ -81,6 +97,12 @@ impl DatasetPlan {
         counts
     }
 
+    /// The names of all pictures.
+    pub(super) fn picture_names(&self) -> BTreeSet<&str> {
+        let names = self.frames.iter().flat_map(|frame| [&frame.picture, &frame.undistorted]);
+        names.flatten().map(String::as_str).collect()
+    }
+
     /// How many pictures are written.
     #[must_use]
     pub fn pictures(&self) -> usize {
@@ -97,8 +119,18 @@ pub fn plan_dataset(at: DocumentAt<'_>, options: &DatasetOptions) -> Result<Data
     let mut left_out = Vec::new();
     let mut frames: Vec<(&Frame, PlannedFrame)> = Vec::new();
     let mut bytes = 0.0;
+    let own_places = OwnPlaces::from_project(at.folder);
     for frame in at.document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
         match planned(at, frame, options) {
+            Ok((planned, _))
+                if !options.outside && planned.takes_picture() && !own_places.hold(planned.source.file()) =>
+            {
+                let file = planned.source.file().display();
+                left_out.push((
+                    frame.name(),
+                    format!("its picture {file} lies outside of the project; --outside-pictures takes it too"),
+                ));
+            }
             Ok((planned, size)) => {
                 bytes += size;
                 frames.push((frame, planned));
@@ -232,6 +264,12 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
             let by = splitting.by.name();
             notes.push(format!("too few groups to split (--split-by {by}): none is left for {}", empty.join(", ")));
         }
+    }
+    let own_places = OwnPlaces::from_project(at.folder);
+    let outside = plan.frames.iter().filter(|frame| frame.takes_picture() && !own_places.hold(frame.source.file()));
+    let outside: Vec<String> = outside.map(|frame| frame.source.file().display().to_string()).collect();
+    if let Some(first) = outside.first() {
+        notes.push(format!("{} pictures come from outside of the project, the first from {first}", outside.len()));
     }
     let unlooked: BTreeSet<LabelOrigin> =
         [LabelOrigin::Tracked, LabelOrigin::Suggested, LabelOrigin::Interpolated].into();

@@ -4,6 +4,7 @@ use super::card::{Card, card};
 use super::done::DatasetDone;
 use super::field_lines::fields_json;
 use super::frames_table::frames_table;
+use super::old_dataset::{DOCUMENT, MANIFEST, OldDataset};
 use super::options::{DatasetOptions, Pictures};
 use super::pictures::{Folder, encoded};
 use super::plan::{DatasetPlan, PlannedFrame, Source, other_size};
@@ -14,26 +15,23 @@ use crate::document::{
     Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string, resolved,
 };
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::{parent, put_folder};
-use crate::files::temporary_folder_in;
-use crate::media::{Picture, ReadFrames};
+use crate::files::{folder_of, follow_link, refuse_other_files, replace_folder, temporary_folder_in};
+use crate::media::{Picture, ReadFrames, sha256_of_file};
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// What marks a folder as a dataset; every other file stands in it.
-const MANIFEST: &str = "manifest.sha256";
-/// The document of a dataset.
-const DOCUMENT: &str = "dataset.json";
+/// The files that every dataset has.
+const ALWAYS_WRITTEN: [&str; 7] =
+    [DOCUMENT, MANIFEST, "README.md", "frames.csv", "fields.json", "schema.json", "touchline_dataset.py"];
 /// The loader that goes with every dataset.
 const LOADER: &str = include_str!("../../../assets/python/touchline_dataset.py");
 
 /// Writes a dataset as it was planned. `watch` is told how many of how many pictures are done, and may end it.
 ///
 /// # Errors
-/// Something other than a dataset is at `folder`, or a dataset and `force` was not given; it was ended; a file cannot be written.
-/// Nothing is left then, and what was there still is.
+/// Something other than a dataset is at `folder`, or a dataset and `force` was not given, or it holds files that the program did
+/// not write; it was ended; a file cannot be written. Nothing is left then, and what was there still is.
 pub fn write_dataset(
     at: DocumentAt<'_>,
     plan: &DatasetPlan,
@@ -43,9 +41,15 @@ pub fn write_dataset(
     force: bool,
     watch: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<DatasetDone, ExchangeError> {
-    refuse_existing(folder, force)?;
-    let failed = |source| ExchangeError::Write { path: folder.to_path_buf(), source };
-    let temporary = temporary_folder_in(parent(folder)).map_err(failed)?;
+    let folder = &follow_link(folder);
+    let old = OldDataset::read(folder, force)?;
+    // Before the work; what is written in the end is asked again.
+    let pictures = plan.picture_names();
+    refuse_other_files(folder, &|name, path| {
+        ALWAYS_WRITTEN.contains(&name) || pictures.contains(name) || old.wrote(name, path)
+    })?;
+    let failed = |source| ExchangeError::Write { path: folder.clone(), source };
+    let temporary = temporary_folder_in(folder_of(folder)).map_err(failed)?;
     let mut files = Folder::new(temporary.path(), folder);
     let mut written = Written { of_frame: BTreeMap::new(), left_out: plan.left_out.clone(), pictures: 0 };
     for frame in &plan.frames {
@@ -112,19 +116,9 @@ pub fn write_dataset(
     files.write("touchline_dataset.py", LOADER.as_bytes())?;
     let manifest = files.manifest();
     files.write(MANIFEST, manifest.as_bytes())?;
-    put_folder(temporary, folder).map_err(failed)?;
+    let names = files.into_names();
+    replace_folder(temporary, folder, &|name, path| names.contains(name) || old.wrote(name, path))?;
     Ok(done)
-}
-
-/// A folder that holds anything but a dataset is never replaced.
-fn refuse_existing(folder: &Path, force: bool) -> Result<(), ExchangeError> {
-    if fs::symlink_metadata(folder).is_err() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none()) {
-        return Ok(());
-    }
-    if !folder.join(MANIFEST).is_file() || !folder.join(DOCUMENT).is_file() {
-        return Err(ExchangeError::NoDatasetThere { path: folder.to_path_buf() });
-    }
-    if force { Ok(()) } else { Err(ExchangeError::Exists { path: folder.to_path_buf() }) }
 }
 
 /// The hashes of a frame's pictures.
@@ -172,7 +166,13 @@ fn write_pictures(
     reader: &mut dyn ReadFrames,
     files: &mut Folder<'_>,
 ) -> Result<Result<Hashes, String>, ExchangeError> {
+    const CHANGED: &str = "its picture changed since it was labelled";
     let mut hashes = Hashes::default();
+    let is_copied = matches!((&planned.picture, &planned.source), (Some(_), Source::File(_)));
+    // A copy is hashed where it lies.
+    if !is_copied && has_changed(at, frame) {
+        return Ok(Err(CHANGED.to_owned()));
+    }
     let is_decoded = matches!((&planned.picture, &planned.source), (Some(_), Source::Decoded(_)));
     let mut pixels = None;
     if is_decoded || planned.undistorted.is_some() {
@@ -184,9 +184,9 @@ fn write_pictures(
     match (&planned.picture, &planned.source, &pixels) {
         (Some(name), Source::File(path), _) => {
             let hash = files.take_over(name, path, options.pictures == Pictures::Linked)?;
-            if frame.sha256.as_deref().is_some_and(|stated| !stated.eq_ignore_ascii_case(&hash)) {
+            if states_other(frame, &hash) {
                 files.remove(name)?;
-                return Ok(Err("its picture changed since it was labelled".to_owned()));
+                return Ok(Err(CHANGED.to_owned()));
             }
             hashes.picture = Some(hash);
         }
@@ -202,6 +202,19 @@ fn write_pictures(
     Ok(Ok(hashes))
 }
 
+/// Whether the image file of a frame is there and is not the one that was labelled.
+fn has_changed(at: DocumentAt<'_>, frame: &Frame) -> bool {
+    let Some(path) = frame.image_path(at.folder).filter(|path| frame.sha256.is_some() && path.is_file()) else {
+        return false;
+    };
+    sha256_of_file(&path).is_ok_and(|hash| states_other(frame, &hash))
+}
+
+/// Whether a frame states another SHA-256.
+fn states_other(frame: &Frame, hash: &str) -> bool {
+    frame.sha256.as_deref().is_some_and(|stated| !stated.eq_ignore_ascii_case(hash))
+}
+
 /// The pixels of a frame, if they can be had and are of the stated size.
 fn read(planned: &PlannedFrame, frame: &Frame, reader: &mut dyn ReadFrames) -> Result<Picture, String> {
     let picture = reader.read(&planned.source.frame_ref()).map_err(|error| error.to_string())?;
@@ -214,12 +227,18 @@ fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
     chosen.frames.retain(|frame| frames.contains_key(&frame.id));
     let is_used = |id: &crate::document::CameraId| chosen.frames.iter().any(|frame| frame.camera == *id);
     chosen.cameras.retain(|camera| is_used(&camera.id));
+    // A bare number counts in the first video of the document.
+    let keeps_first_video = first_video(&chosen) == first_video(document);
     let is_there = |end: &ShotEnd| match end {
         ShotEnd::Frame(id) => frames.contains_key(id),
-        ShotEnd::VideoFrame(_) => true,
+        ShotEnd::VideoFrame(_) => keeps_first_video,
     };
     chosen.shots.retain(|shot: &Shot| is_there(&shot.from) && is_there(&shot.to));
     chosen
+}
+
+fn first_video(document: &Document) -> Option<&str> {
+    document.frames.iter().find_map(|frame| frame.video.as_ref()).map(|video| video.path.as_str())
 }
 
 /// The document with the pictures of a dataset and their hashes; frames without one go.

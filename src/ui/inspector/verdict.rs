@@ -23,6 +23,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.set_min_height(HEIGHT);
         ui.set_width(ui.available_width());
         let shown = app.shown();
+        if let Some(says) = app.other_picture(app.session.frame) {
+            other_picture(says, ui);
+            return;
+        }
         match (&shown.judgement, shown.solution) {
             (Some(judgement), _) => {
                 let colour = ui.palette().verdict(judgement.verdict);
@@ -61,6 +65,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
         training_switch(panel, ui);
     });
+}
+
+/// That the picture is not the one that was labelled: no verdict on its label means anything.
+fn other_picture(says: &str, ui: &mut Ui) {
+    let palette = ui.palette();
+    ui.horizontal(|ui| {
+        symbol::show(ui, Symbol::Warning, palette.bad);
+        ui.label(RichText::new("Another picture").size(theme::VERDICT).color(palette.bad).strong());
+    });
+    ui.add(Label::new(RichText::new(sentence(says)).color(palette.text)).wrap());
 }
 
 /// Whether the program proposed the frame's camera and nobody has changed it.

@@ -60,7 +60,12 @@ fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
         }
     });
     let tip = "The pictures without lens distortion as well, with labels that fit them.";
-    ui.checkbox(&mut options.undistorted, "undistorted pictures as well").on_hover_text(tip);
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut options.undistorted, "undistorted pictures as well").on_hover_text(tip);
+        let tip =
+            "A project from somebody else may name any file of yours; look at the list before you pass the dataset on.";
+        ui.checkbox(&mut options.outside, "pictures from outside of the project").on_hover_text(tip);
+    });
 }
 
 fn splits(ui: &mut Ui, options: &mut DatasetOptions) {

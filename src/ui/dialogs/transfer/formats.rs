@@ -5,10 +5,10 @@ use super::options::{export_options, import_options};
 use super::parts::{cameras_of, fact, left_out, line, notes};
 use crate::app::transfer::{Look, TransferAction, in_dialog};
 use crate::app::{Action, sentence};
-use crate::exchange::{About, Format};
+use crate::exchange::{About, Format, JoinedPair};
 use crate::ui::Panel;
 use crate::ui::theme::{self, Themed as _};
-use egui::{Align, Button, Layout, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 /// The width of the list of formats, points.
 const LIST: f32 = 210.0;
@@ -139,8 +139,24 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
                 line(ui, text, palette.caution);
             }
             notes(ui, &joined.notes);
+            pairs(ui, &joined.pairs);
         }
         Look::Import(Err(why)) => line(ui, why, palette.bad),
         Look::Export(_) | Look::Dataset(_) => {}
     }
+}
+
+/// Which imported frame is taken for which frame of the document, so that a wrong match is seen before it is taken over.
+fn pairs(ui: &mut Ui, pairs: &[JoinedPair]) {
+    let palette = ui.palette();
+    if pairs.is_empty() {
+        return;
+    }
+    line(ui, "Taken for the same pictures:", palette.weak);
+    let height = ui.text_style_height(&TextStyle::Body);
+    ScrollArea::vertical().id_salt("pairs").auto_shrink(false).show_rows(ui, height, pairs.len(), |ui, rows| {
+        for JoinedPair { imported, document } in pairs.get(rows).into_iter().flatten() {
+            ui.add(egui::Label::new(format!("{imported} → {document}")).truncate());
+        }
+    });
 }

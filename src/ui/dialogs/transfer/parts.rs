@@ -41,7 +41,7 @@ pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
     const SHOWN: usize = 3;
     let palette = ui.palette();
     for (frame, why) in frames.iter().take(SHOWN) {
-        line(ui, format!("Left out: {frame}: {why}."), palette.caution);
+        line(ui, in_dialog(&format!("Left out: {frame}: {why}")), palette.caution);
     }
     if frames.len() > SHOWN {
         line(ui, format!("Left out: {} more frames.", frames.len() - SHOWN), palette.caution);

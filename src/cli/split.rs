@@ -1,0 +1,38 @@
+//! `touchline split`: a document in work packages for several people.
+
+use super::Outcome;
+use super::document::{DocumentArg, Loaded};
+use super::messages::Messages;
+use crate::exchange::write_packages;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// Splits a document into work packages: projects with copies of their pictures that `touchline merge` takes back.
+#[derive(clap::Args, Debug)]
+pub struct SplitArgs {
+    #[command(flatten)]
+    document: DocumentArg,
+    /// How many frames a package has; the last one may have fewer.
+    #[arg(long, value_name = "N")]
+    frames: NonZeroUsize,
+    /// The folder to write: package001 and so on. It must be empty or not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Copy pictures that lie outside of the project's folder too; a project from somebody else may name any file.
+    #[arg(long)]
+    outside_pictures: bool,
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The document or a picture cannot be read, or the folder holds something already.
+pub fn split(args: &SplitArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    let Loaded { location, document } = args.document.load(messages)?;
+    anyhow::ensure!(!document.frames.is_empty(), "{} has no frames to split", location.file().display());
+    let at = document.at(location.folder());
+    let counts = write_packages(at, args.frames.get(), &args.output, args.outside_pictures)?;
+    let frames: usize = counts.iter().sum();
+    messages.note(&format!("{frames} frames in {} packages in {}", counts.len(), args.output.display()));
+    Ok(Outcome::Done)
+}
