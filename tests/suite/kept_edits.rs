@@ -40,6 +40,8 @@ struct World {
     seen: Vec<Vec<u8>>,
     /// The marks of edits that nobody took back.
     live: BTreeSet<String>,
+    /// Those of them that others have just written over: only the window has them, and has not seen it yet.
+    exposed: BTreeSet<String>,
     made: usize,
     story: Vec<String>,
 }
@@ -69,6 +71,7 @@ impl World {
             window,
             seen,
             live: BTreeSet::new(),
+            exposed: BTreeSet::new(),
             made: 0,
             story: Vec::new(),
         }
@@ -87,16 +90,16 @@ impl World {
         self.story.push(what.into());
     }
 
-    /// One step of somebody. True where the document was written by others: what they destroyed themselves is their loss.
-    fn step(&mut self) -> bool {
+    /// One step of somebody.
+    fn step(&mut self) {
         let Some(mut window) = self.window.take() else {
             if self.random.random_range(0..3) == 0 {
                 self.write_outside();
-                return true;
+            } else {
+                self.tell("open");
+                self.window = Some(Headless::opened(self.folder.path()));
             }
-            self.tell("open");
-            self.window = Some(Headless::opened(self.folder.path()));
-            return false;
+            return;
         };
         let asked = window.app.session.dialog.clone();
         match self.random.random_range(0..20) {
@@ -112,28 +115,29 @@ impl World {
             }
             12..15 => {
                 self.window = Some(window);
-                self.write_outside();
-                return true;
+                return self.write_outside();
             }
             15 => return self.kill(window),
             16 => {
                 self.tell("close");
+                let is_untouched = window.app.session.saving == Saving::Untouched;
                 leave(&mut window, || Action::CloseRequested);
                 window.runner.close();
-                return false;
+                return self.forget_exposed(is_untouched);
             }
             17 => {
                 self.tell("open another project, and this one again");
                 let (other, here) = (self.other.clone(), self.folder.path().to_path_buf());
+                let is_untouched = window.app.session.saving == Saving::Untouched;
                 leave(&mut window, || Action::Open(other.clone()));
                 window.wait_until("the other project", |app| app.open().unwrap().document.frames.len() == 1);
+                self.forget_exposed(is_untouched);
                 window.act(Action::Open(here));
                 window.wait_until("this project", |app| app.open().unwrap().document.frames.len() == FRAMES);
             }
             _ => self.merge_set_aside(&mut window),
         }
         self.window = Some(window);
-        false
     }
 
     fn edit(&mut self, window: &mut Headless) {
@@ -176,7 +180,8 @@ impl World {
         settle(window);
     }
 
-    /// A colleague's program or a sync client replaces the document: from what is there, or from an earlier state of it.
+    /// A colleague's program or a sync client replaces the document: from what is there, or from an earlier state of it. What it
+    /// destroys by that while no window has it is its own loss.
     fn write_outside(&mut self) {
         let file = self.file();
         self.seen.push(fs::read(&file).unwrap());
@@ -206,6 +211,18 @@ impl World {
         let after = self.everything();
         self.live.retain(|mark| after.contains(mark) || !before.contains(mark));
         self.live.insert(mark);
+        let on_disk = self.files();
+        self.exposed = self.live.iter().filter(|mark| !on_disk.contains(*mark)).cloned().collect();
+    }
+
+    /// The window is gone. What others wrote over is their loss where the window was killed before it could look, or had nothing of
+    /// its own to look for.
+    fn forget_exposed(&mut self, cannot_look: bool) {
+        let exposed = std::mem::take(&mut self.exposed);
+        if cannot_look {
+            let on_disk = self.files();
+            self.live.retain(|mark| !exposed.contains(mark) || on_disk.contains(mark));
+        }
     }
 
     fn answer(&mut self, window: &mut Headless) {
@@ -222,14 +239,14 @@ impl World {
     }
 
     /// The program is killed: what is on disk then is all there is.
-    fn kill(&mut self, mut window: Headless) -> bool {
+    fn kill(&mut self, mut window: Headless) {
         self.tell("kill");
         settle(&mut window);
         let left = tempfile::tempdir().unwrap();
         copy_files(self.folder.path(), left.path());
         drop(window);
         self.folder = left;
-        false
+        self.forget_exposed(true);
     }
 
     fn merge_set_aside(&mut self, window: &mut Headless) {
@@ -241,17 +258,27 @@ impl World {
         settle(window);
     }
 
-    /// All that is kept anywhere, as text.
-    fn everything(&self) -> String {
+    /// All that is on disk, as text.
+    fn files(&self) -> String {
         let mut text = String::new();
         for entry in fs::read_dir(self.folder.path()).unwrap().flatten() {
             // What is written to be renamed may have been.
             text += &String::from_utf8_lossy(&fs::read(entry.path()).unwrap_or_default());
         }
-        if let Some(open) = self.window.as_ref().and_then(|window| window.app.open()) {
-            text += &document_to_string(&open.document).unwrap();
-        }
         text
+    }
+
+    /// All that is kept anywhere, as text.
+    fn everything(&self) -> String {
+        let open = self.window.as_ref().and_then(|window| window.app.open());
+        self.files() + &open.map(|open| document_to_string(&open.document).unwrap()).unwrap_or_default()
+    }
+
+    /// Once the window has seen what others did, it has kept what it holds.
+    fn look(&mut self) {
+        if self.window.as_ref().is_some_and(|window| window.app.session.changed_outside.is_some()) {
+            self.exposed.clear();
+        }
     }
 
     /// The marks that are nowhere.
@@ -340,6 +367,7 @@ fn no_edit_of_a_person_is_lost_whatever_happens() {
         let mut world = World::new(number);
         for _ in 0..STEPS {
             world.step();
+            world.look();
             world.check();
         }
     }
