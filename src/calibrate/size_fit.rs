@@ -143,13 +143,13 @@ pub fn describe_size(size: &FittedSize) -> String {
             "{what} {assumed_m} m is assumed: the frames do not show it (± {sigma_m:.1} m). What they show lies right; state the field's {what} if it is another"
         );
     }
-    let mut text = format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m);
+    let text = format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m);
     let along_m = size.position_sigma_m;
-    if along_m.norm() > WORTH_SAYING_M {
-        let (x, y, z) = (along_m.x, along_m.y, along_m.z);
-        text += &format!(
-            "; where the field's middle lies, and so the camera's position, goes with it by ({x:.1}, {y:.1}, {z:.1}) m"
-        );
+    if along_m.norm() <= WORTH_SAYING_M {
+        return text;
     }
-    text
+    let (x, y, z) = (along_m.x, along_m.y, along_m.z);
+    format!(
+        "{text}; where the field's middle lies, and so the camera's position, goes with it by ({x:.1}, {y:.1}, {z:.1}) m"
+    )
 }

@@ -115,12 +115,12 @@ impl BaseSigma {
     /// The same with one more error, which goes with no other.
     #[must_use]
     pub fn with_error(&self, error: &SharedError) -> Self {
-        self.with_covariance(self.covariance() + error * error.transpose())
+        self.with_covariance(&(self.covariance() + error * error.transpose()))
     }
 
     /// The same with another covariance.
-    fn with_covariance(&self, covariance: SharedCovariance) -> Self {
-        let mut changed = Self::from_covariance(&covariance, self.crown_width_m);
+    fn with_covariance(&self, covariance: &SharedCovariance) -> Self {
+        let mut changed = Self::from_covariance(covariance, self.crown_width_m);
         changed.rotation.z = self.rotation.z;
         changed
     }
@@ -179,7 +179,7 @@ impl BaseSigma {
                 covariance[(to_row, to_column)] = raised[(row, column)];
             }
         }
-        self.with_covariance(covariance)
+        self.with_covariance(&covariance)
     }
 
     /// A lower triangular matrix L: L Lᵀ is the covariance of position (m), rotation as a vector in `world` (rad), k₁, its slope, crown
@@ -414,7 +414,9 @@ mod tests {
         assert_eq!((unit.len(), BaseCorrelation::from_rows(&unit)), (5, Some(BaseCorrelation::NONE)));
         let changed = |changes: &[(usize, usize, f64)]| {
             let mut rows = unit.clone();
-            changes.iter().for_each(|(row, column, value)| rows[*row][*column] = *value);
+            for (row, column, value) in changes {
+                rows[*row][*column] = *value;
+            }
             rows
         };
         let lopsided = changed(&[(0, 1, 0.5)]);

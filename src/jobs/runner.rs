@@ -598,7 +598,7 @@ mod tests {
             batches.push(bench.runner.poll());
         }
         let opened = |batch: &Vec<Action>| batch.iter().any(|action| matches!(action, Action::Opened(_)));
-        let last = batches.iter().position(|batch| opened(batch)).unwrap();
+        let last = batches.iter().position(opened).unwrap();
         assert_eq!(batches[last].len(), 1, "nothing is reported along with it");
         assert!(batches[..last].iter().chain(&batches[last + 1..]).flatten().count() > 0, "the word is not lost");
     }

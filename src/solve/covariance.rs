@@ -402,8 +402,8 @@ mod tests {
         SMatrix::from_fn(|row, column| columns[(row, if column < 5 { column } else { column + 1 })])
     }
 
-    fn uncertainty(sigma: BaseSigma) -> (PtzCamera, Uncertainty) {
-        let camera = PtzCamera::new(CameraBase { sigma, ..base() }, Ptz::from_degrees(-12.0, -9.0, 2300.0));
+    fn uncertainty(sigma: &BaseSigma) -> (PtzCamera, Uncertainty) {
+        let camera = PtzCamera::new(CameraBase { sigma: *sigma, ..base() }, Ptz::from_degrees(-12.0, -9.0, 2300.0));
         let uncertainty = Uncertainty::of_known(&camera, Mat3::zeros(), SIZE).unwrap();
         (camera, uncertainty)
     }
@@ -411,7 +411,7 @@ mod tests {
     #[test]
     fn errors_of_the_base_go_together_in_the_overlay() {
         let covariance = together();
-        let (camera, known) = uncertainty(BaseSigma::from_covariance(&covariance, 68.0));
+        let (camera, known) = uncertainty(&BaseSigma::from_covariance(&covariance, 68.0));
         for pixel in [ImagePoint::new(40.0, 1000.0), ImagePoint::new(960.0, 540.0), ImagePoint::new(1900.0, 600.0)] {
             let point = OverlayPoint::at_pixel(&camera, pixel).unwrap();
             let moves = without_gauge(&(point.by_base - point.by_ptz * known.by_base));
@@ -430,7 +430,7 @@ mod tests {
     #[test]
     fn errors_that_make_up_for_each_other_are_less_than_each_by_itself() {
         // Farther off and looking less steeply: the overlay hardly shows it.
-        let (camera, alone) = uncertainty(BaseSigma {
+        let (camera, alone) = uncertainty(&BaseSigma {
             position_m: Vec3::new(0.0, 0.4, 0.0),
             rotation: Vec3::new(1.6e-3, 0.0, 0.0),
             ..BaseSigma::default()
@@ -440,7 +440,7 @@ mod tests {
             (covariance[(1, 1)], covariance[(3, 3)]) = (0.4_f64.powi(2), 1.6e-3_f64.powi(2));
             covariance[(1, 3)] = share * 0.4 * 1.6e-3;
             covariance[(3, 1)] = covariance[(1, 3)];
-            uncertainty(BaseSigma::from_covariance(&covariance, 68.0)).1.worst_corner_sigma_px(&camera, SIZE)
+            uncertainty(&BaseSigma::from_covariance(&covariance, 68.0)).1.worst_corner_sigma_px(&camera, SIZE)
         });
         let alone = alone.worst_corner_sigma_px(&camera, SIZE);
         assert!(less.min(more) < alone && alone < less.max(more), "{less} {alone} {more}");

@@ -40,7 +40,7 @@ impl OwnVersion {
             return Ok(None);
         }
         let path = earlier.map(|earlier| earlier.orphan.path).filter(|path| path.exists());
-        let [text, base_text] = [own, base].map(|document| document_to_string(document));
+        let [text, base_text] = [own, base].map(document_to_string);
         let unwritable = |source| StoreError::Write { path: location.file().to_path_buf(), source };
         let (text, base_text) = (text.map_err(unwritable)?, base_text.map_err(unwritable)?);
         let io = |source| StoreError::from_io("write", location.file(), source);
@@ -121,7 +121,7 @@ fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
         match change {
             Change::Frame { frame, .. } => names.push(format!("Changes in {}", frame.name())),
             Change::Insert { frames, .. } => {
-                names.extend(frames.iter().map(|frame| format!("New frame {}", frame.name())))
+                names.extend(frames.iter().map(|frame| format!("New frame {}", frame.name())));
             }
             Change::Remove(frames) => names.push(format!("Frames removed: {}", frames.len())),
             Change::Cameras(_) => names.push("Changes in the cameras".to_owned()),

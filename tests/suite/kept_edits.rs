@@ -104,7 +104,7 @@ impl World {
         let asked = window.app.session.dialog.clone();
         match self.random.random_range(0..20) {
             _ if asked == Some(Dialog::ChangedOutside) && self.random.random_range(0..4) > 0 => {
-                self.answer(&mut window)
+                self.answer(&mut window);
             }
             0..6 => self.edit(&mut window),
             6 => self.undo(&mut window),

@@ -139,31 +139,29 @@ impl App {
         conflicts: &[String],
         replaced: &[String],
     ) {
-        let mut text = "Both versions are merged.".to_owned();
+        let mut sentences = vec!["Both versions are merged.".to_owned()];
         let mut level = Level::Info;
         if !conflicts.is_empty() {
-            text += &format!(" {}: {}.", of.describe_conflicts(), name_some(conflicts));
+            sentences.push(format!("{}: {}.", of.describe_conflicts(), name_some(conflicts)));
             level = Level::Warning;
         }
         if !replaced.is_empty() {
-            text += &format!(" Labels taken from the other version: {}.", name_some(replaced));
+            sentences.push(format!("Labels taken from the other version: {}.", name_some(replaced)));
             level = Level::Warning;
         }
         match solved {
             Ok(SolvedAfterMerge { solved: 0, withdrawn, .. }) => self.tell_withdrawn(withdrawn),
             Ok(SolvedAfterMerge { solved, withdrawn, .. }) => {
-                text += &format!(
-                    " Solved again on the merged base or field: {solved} {}.",
-                    if solved == 1 { "frame" } else { "frames" }
-                );
+                let frames = if solved == 1 { "frame" } else { "frames" };
+                sentences.push(format!("Solved again on the merged base or field: {solved} {frames}."));
                 self.tell_withdrawn(withdrawn);
             }
             Err(error) => {
-                text += &format!(" Frames of another base were not solved again: {error}.");
+                sentences.push(format!("Frames of another base were not solved again: {error}."));
                 level = Level::Warning;
             }
         }
-        self.session.notify_with(level, text, [("Undo", Command::Undo)]);
+        self.session.notify_with(level, sentences.join(" "), [("Undo", Command::Undo)]);
     }
 }
 

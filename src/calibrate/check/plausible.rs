@@ -33,6 +33,11 @@ pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
 /// What is implausible about where and how a solved frame looks.
 pub fn check_view(document: &Document, frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
     let Some(pointed) = document.pointed(frame).filter(|pointed| pointed.ptz().is_finite()) else { return };
+    // A base that is no number and a lens that folds inside the picture are named as such.
+    let folds = |corner: &ImagePoint| pointed.cam_plane_from_image(*corner).is_err();
+    if !pointed.base().is_finite() || frame.image_size.corners().iter().any(folds) {
+        return;
+    }
     let (focal_px, width) = (pointed.ptz().focal_px, f64::from(frame.image_size.width));
     let [shortest, longest] = FOCAL_WIDTHS.map(|widths| widths * width);
     if !(shortest..=longest).contains(&focal_px) {

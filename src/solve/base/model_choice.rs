@@ -321,17 +321,17 @@ pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<(Bas
     }
     let frames = solved_frames;
     if frames >= MIN_FRAMES {
-        return Some((better_by(WORTHWHILE, *scores.first()?, scores.iter()), ModelReason::HeldOut));
+        return Some((better_by(WORTHWHILE, scores.first()?, scores.iter()), ModelReason::HeldOut));
     }
     let richest = scores.last()?;
     let (usual, chosen) = if frames >= TELL_LENS_FRAMES {
         let usual = scores.iter().rfind(|score| score.model.lens.never_folds()).unwrap_or(richest);
-        (usual, better_by(CLEARLY_BETTER, *usual, scores.iter().rev()))
+        (usual, better_by(CLEARLY_BETTER, usual, scores.iter().rev()))
     } else {
         // So few frames do not tell the two lenses that change with the zoom apart; the later one of the list errs less with them.
         let apart =
             |score: &&ModelScore| score.model.lens != LensModel::K1FocalK2 || score.model.lens == richest.model.lens;
-        (richest, better_by(BETTER_IN_TWO_FRAMES, *richest, scores.iter().rev().filter(apart)))
+        (richest, better_by(BETTER_IN_TWO_FRAMES, richest, scores.iter().rev().filter(apart)))
     };
     let as_usual = chosen == usual.model;
     let reason = if as_usual { ModelReason::UsualCamera { frames } } else { ModelReason::UnlikeUsual { frames } };
@@ -339,9 +339,9 @@ pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<(Bas
 }
 
 /// A model, unless others in turn are better by this share.
-fn better_by<'a>(share: f64, start: ModelScore, others: impl Iterator<Item = &'a ModelScore>) -> BaseModel {
-    let better = |best: ModelScore, other: &ModelScore| {
-        if other.clipped_rms_px < best.clipped_rms_px * (1.0 - share) { *other } else { best }
+fn better_by<'a>(share: f64, start: &'a ModelScore, others: impl Iterator<Item = &'a ModelScore>) -> BaseModel {
+    let better = |best: &'a ModelScore, other: &'a ModelScore| {
+        if other.clipped_rms_px < best.clipped_rms_px * (1.0 - share) { other } else { best }
     };
     others.fold(start, better).model
 }
