@@ -12,9 +12,9 @@
 //! the overlay goes on using: the lines then miss the very points that were clicked (with 0.5 m of base error by 8–16 px
 //! instead of 3–6), so it is not done.
 
+use super::shared_columns::by_shared;
 use super::{Observation, PtzPrior, SolveError};
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
-use crate::field::Crown;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
@@ -251,34 +251,6 @@ impl OverlayPoint {
     fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
         Self::at_world(camera, shown_at(camera, pixel)?)
     }
-}
-
-/// How a projected point moves with everything that frames share, in the order of [`crate::camera::BaseSigma::root`]: given its
-/// derivatives by the base's pose, by k₁, by the world point and by a shift of the picture.
-pub(super) fn by_shared(
-    camera: &PtzCamera,
-    by_pose: &SMatrix<f64, 2, 6>,
-    by_k1: Vec2,
-    by_world: &Matrix2x3<f64>,
-    by_image: &Matrix2<f64>,
-    point_in_world: Vec3,
-) -> SMatrix<f64, 2, SHARED_COLUMNS> {
-    let base = camera.base();
-    let mut by = SMatrix::<f64, 2, SHARED_COLUMNS>::zeros();
-    by.fixed_columns_mut::<6>(0).copy_from(by_pose);
-    if base.sigma.is_of_pose_alone() {
-        return by;
-    }
-    let kilo_px = (camera.ptz().focal_px - base.distortion.at_focal_px) / 1000.0;
-    by.set_column(6, &by_k1);
-    by.set_column(7, &(by_k1 * kilo_px));
-    if base.sigma.crown_m > 0.0 {
-        // A higher crown lowers the ground beside the middle.
-        let crown = Crown { height_m: 0.0, width_m: base.sigma.crown_width_m };
-        by.set_column(8, &(by_world.column(2) * -crown.drop_share(point_in_world.y)));
-    }
-    by.fixed_columns_mut::<2>(9).copy_from(by_image);
-    by
 }
 
 /// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad, focal px).

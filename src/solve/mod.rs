@@ -29,6 +29,7 @@ mod ptz_ranges;
 mod refine;
 mod residual;
 mod shape;
+mod shared_columns;
 mod solution;
 mod starts;
 mod two_point;

@@ -4,8 +4,8 @@
 //! the same kind of residual.
 
 use super::WorldCurve;
-use super::covariance::by_shared;
 use super::line::nearest_point;
+use super::shared_columns::by_shared;
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::field::{Crown, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, Vec2, Vec3};

@@ -6,6 +6,7 @@ mod error;
 mod evidence;
 mod fit;
 mod frames;
+mod options;
 mod paint;
 mod pictures;
 mod record;
@@ -15,8 +16,7 @@ pub(crate) use anchors::is_anchor;
 pub use error::TrackClipError;
 pub use evidence::ClipEvidence;
 pub use frames::{ClipFrame, ClipFrames, clips};
+pub use options::{ClipProgress, TrackClipOptions, WatchClip};
 pub use record::record_tracked;
 pub(crate) use record::record_tracked_frame;
-pub use track::{
-    ClipProgress, ClipStop, MovedReference, TrackClipOptions, TrackedClip, TrackedFrame, WatchClip, track_clip,
-};
+pub use track::{ClipStop, MovedReference, TrackedClip, TrackedFrame, track_clip};

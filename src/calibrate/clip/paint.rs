@@ -1,11 +1,17 @@
 //! The painted lines of a clip's frames as further anchors.
 
-use super::pictures::MaskedPicture;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::ImageSize;
+use crate::geometry::{ImageSize, PixelBox};
+use crate::media::Picture;
 use crate::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
 use crate::track::{Anchor, AnchorSource};
+
+/// A picture of a clip with what covers it.
+pub(super) struct MaskedPicture {
+    pub picture: Picture,
+    pub masks: Vec<PixelBox>,
+}
 
 /// What the paint of a picture says about a camera.
 #[derive(Clone, Debug, PartialEq)]

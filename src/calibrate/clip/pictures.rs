@@ -3,8 +3,8 @@
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
 use super::frames::ClipFrames;
-use super::paint::Painted;
-use super::track::{ClipProgress, WatchClip};
+use super::options::{ClipProgress, WatchClip};
+use super::paint::{MaskedPicture, Painted};
 use crate::camera::{CameraBase, Ptz};
 use crate::document::DocumentAt;
 use crate::field::FieldModel;
@@ -18,12 +18,6 @@ pub(super) struct ClipPictures<'a> {
     pub at: DocumentAt<'a>,
     pub clip: &'a ClipFrames,
     pub size: ImageSize,
-}
-
-/// A picture of a clip with what covers it.
-pub(super) struct MaskedPicture {
-    pub picture: Picture,
-    pub masks: Vec<PixelBox>,
 }
 
 impl ClipPictures<'_> {

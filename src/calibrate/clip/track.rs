@@ -6,58 +6,14 @@ use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip};
 use super::frames::ClipFrames;
+use super::options::{TrackClipOptions, WatchClip};
 use super::pictures::ClipPictures;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{DocumentAt, FrameStatus};
+use crate::document::{DocumentAt, FieldSize, FrameStatus};
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
 use crate::solve::Uncertainty;
-use crate::track::{
-    AdjustOptions, AdjustedClip, Anchor, Carried, CarryOptions, FollowOptions, Jitter, SmoothOptions, Unsmoothed,
-    carry, smooth,
-};
-use std::ops::ControlFlow;
-
-/// How a clip is tracked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackClipOptions {
-    /// How points are followed.
-    pub follow: FollowOptions,
-    /// When a frame is not carried on to.
-    pub carry: CarryOptions,
-    /// How all is adjusted.
-    pub adjust: AdjustOptions,
-    /// Every n-th frame is aligned to its painted lines; 0 turns this off. Default: 5.
-    pub paint_every: usize,
-    /// Whether the motion is smoothed. False by default.
-    pub smooth: bool,
-}
-
-impl Default for TrackClipOptions {
-    fn default() -> Self {
-        Self {
-            follow: FollowOptions::default(),
-            carry: CarryOptions::default(),
-            adjust: AdjustOptions::default(),
-            paint_every: 5,
-            smooth: false,
-        }
-    }
-}
-
-/// How far it has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClipProgress {
-    /// Points are followed: frames done, of all.
-    Following(usize, usize),
-    /// Frames are held to their painted lines: done, of all.
-    Painting(usize, usize),
-    /// All frames are adjusted.
-    Adjusting,
-}
-
-/// Told of the progress; may end it.
-pub type WatchClip<'a> = &'a mut dyn FnMut(ClipProgress) -> ControlFlow<()>;
+use crate::track::{AdjustedClip, Anchor, Carried, Jitter, SmoothOptions, Unsmoothed, carry, smooth};
 
 /// A frame of the document whose camera was carried there.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,7 +115,17 @@ pub fn track_clip(
     evidence.with_base(&base);
     let anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
     let carried = carry(&base, &tracks, &anchors, &options.carry);
-    let fit = ClipFit { base: &base, field, tracks: &tracks, carried: &carried, known: &anchors, pictures, options };
+    let is_size_fitted = *document.field_of_camera(&clip.camera).size() == FieldSize::Fitted;
+    let fit = ClipFit {
+        base: &base,
+        field,
+        tracks: &tracks,
+        carried: &carried,
+        known: &anchors,
+        pictures,
+        is_size_fitted,
+        options,
+    };
     let FittedClip { adjusted, paint, painted, kept } = fit.adjust_to_paint(reader, evidence, watch)?;
 
     let raw: Vec<Option<Ptz>> = adjusted.frames.iter().map(|frame| frame.map(|frame| frame.ptz)).collect();

@@ -28,15 +28,14 @@ pub struct BasePriors {
 }
 
 impl Default for BasePriors {
-    /// Measured: rolls of 0.1 to 0.4°, pitches of up to 1.6°; crowns of 0.05 to 0.25 m on nine matches. On these, and on twenty lenses
-    /// that a World Cup's provider calibrated frame by frame, k₁ ≈ −0.02 … 0.20 at 2,000 px with a slope of 0.17 to 0.23 per 1,000 px in
-    /// all but three, and principal points up to 69 px off the middle.
+    /// Measured on nine matches: rolls of 0.1 to 0.4°, pitches of up to 1.6°, crowns of 0.05 to 0.25 m, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000.
+    /// Twenty lenses that a World Cup's provider calibrated frame by frame have principal points up to 69 px off the middle.
     fn default() -> Self {
         Self {
             pitch: Angle::from_degrees(1.0),
             roll: Angle::from_degrees(0.4),
-            k1: (0.05, 0.10),
-            k1_slope: (0.21, 0.04),
+            k1: (-0.02, 0.04),
+            k1_slope: (0.21, 0.1),
             crown_m: (0.13, 0.07),
             principal_point_px: 40.0,
         }
