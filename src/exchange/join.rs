@@ -37,7 +37,7 @@ pub struct JoinedPair {
     pub document: String,
 }
 
-/// Joins imported frames with those of a document that show the same pictures ([`Places`]). A frame gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay as they are. Frames
+/// Joins imported frames with those of a document that show the same pictures (`Places`). A frame gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay as they are. Frames
 /// that are not there are appended.
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {

@@ -2,7 +2,7 @@
 //!
 //! An operation is a value that holds all that its work needs. Its way through the program:
 //!
-//! 1. [`App::start`] gives it a [`RequestId`], keeps it in the [`Slot`] of its kind and returns it to the shell as a [`Job`].
+//! 1. `App::start` gives it a [`RequestId`], keeps it in the [`Slot`] of its kind and returns it to the shell as a [`Job`].
 //! 2. `jobs` runs the job on a thread of its own. It does not know which operation that is.
 //! 3. What the work has to say comes back as [`Report`]s. A report carries its own types, so that it reaches
 //!    [`Operation::take_over`] without a cast and without a list of all operations.

@@ -27,7 +27,7 @@ const SETTLED_PX: f64 = 4.0;
 const ALIKE_PX: f64 = 1.5;
 
 /// Where the field's size was not fitted, more paint than this that lies on no line of it contradicts a camera: a field too long puts
-/// the centre circle beside its paint while the penalty area lies on it. Of 600 right frames of four broadcasts 0.51 lay on no line at
+/// the centre circle beside its paint while the penalty area lies on it. Of 788 right frames of four broadcasts 0.51 lay on no line at
 /// most, of fourteen that were 100 px off in the centre circle 0.45 at least; fields of fitted size are not asked.
 const UNEXPLAINED: f64 = 0.45;
 
