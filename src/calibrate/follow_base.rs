@@ -25,6 +25,7 @@ pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
 }
 
 /// Lets all frames whose cameras have moved since `before` follow them; how many proposals were withdrawn.
+#[cfg(any(feature = "cli", test))]
 pub(crate) fn follow_bases(document: &mut Document, before: &Document) -> usize {
     let moved = moved_frames(before, document);
     moved.into_iter().filter(|index| document.follow_base(*index, before)).count()

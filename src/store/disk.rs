@@ -204,6 +204,7 @@ pub fn write_document(location: &Location, document: &Document, replace: bool) -
 ///
 /// # Errors
 /// It is open elsewhere, or cannot be written.
+#[cfg(feature = "cli")]
 pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
     let Ok(location) = Location::find(path) else { return Ok(()) };
     if !location.lock().exists() {

@@ -24,6 +24,7 @@ pub(crate) use atomic::write_atomically;
 #[cfg(feature = "cli")]
 pub(crate) use atomic::{write_new, write_output};
 #[cfg(feature = "cli")]
+#[cfg(feature = "cli")]
 pub(crate) use disk::refuse_open;
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use document_store::{DocumentStore, Others, Outside};

@@ -65,6 +65,7 @@ impl Bench {
     }
 
     /// The operation that was started last has come this far.
+    #[cfg(feature = "opencv")]
     pub fn report_progress<O: Operation>(&mut self, progress: O::Progress) {
         let id = self.started::<O>().id();
         self.act(Action::Report(Report::of_progress::<O>(id, progress)));

@@ -5,7 +5,7 @@ use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel};
-use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
+use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec2};
 use crate::solve::{Loss, Observation};
@@ -148,23 +148,20 @@ fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
 
-/// How the frames of a camera look on average: what its priors are about.
+/// How a camera looks at its field: what its priors are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeanView {
-    /// The direction seen from above, unit, `world` x and y; across the field where they look all round.
+    /// From where it stands to the middle of the field, seen from above: unit, `world` x and y. Operators level their heads along and
+    /// across it, wherever a single frame looks.
     pub along: Vec2,
     /// The focal length, px: the middle of the frames' on a logarithmic scale.
     pub focal_px: f64,
 }
 
 impl MeanView {
-    /// Of frames of a base; where there is none, across the field at the focal length of the priors.
+    /// Of frames of a base; where there is none, at the focal length of the priors.
     pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
-        let ahead = |ptz: &Ptz| {
-            let forward = PtzCamera::new(*base, *ptz).cam_from_world().row(2).transpose();
-            forward.xy().try_normalize(1e-9).unwrap_or_default()
-        };
-        let along = ptz.iter().map(ahead).sum::<Vec2>().try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0));
+        let along = (-base.position_m.xy()).try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0));
         let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
         let focal_px = if ptz.is_empty() { LENS_FOCAL_PX } else { (logs / ptz.len() as f64).exp() };
         Self { along, focal_px }
@@ -174,8 +171,7 @@ impl MeanView {
 impl BasePriors {
     /// Those of the parameters that a model leaves free.
     ///
-    /// Heads are levelled along and across the direction in which their operators look, whatever the field's axes are: `view` says
-    /// how the frames look on average.
+    /// Heads are levelled along and across the direction in which they look at the field, whatever the field's axes are.
     pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: &MeanView) -> Vec<SharedPrior> {
         let per_1920 = per_1920(image_width_px);
         let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };

@@ -253,7 +253,7 @@ fn chosen_fit(
     let (model, reason) = choose(&scores, solved_frames).unwrap_or((pinhole(clicks.field), ModelReason::Prescribed));
     let mut adjusted = adjust_base(clicks, base, ptz, &model, options);
     if let Some(score) = scores.iter().find(|score| score.model == model) {
-        adjusted.base.sigma = adjusted.base.sigma.covering(&score.counted_spread());
+        adjusted.base.sigma = adjusted.base.sigma.covering(&score.spread);
     }
     Ok(ChosenFit { adjusted, model, reason, scores })
 }

@@ -295,18 +295,6 @@ fn jackknife(folds: &[Fold]) -> SharedCovariance {
     squares * ((count - 1.0) / count)
 }
 
-/// What share of the jackknife's covariance counts. Five groups draw it from four independent numbers, which spreads it: in the
-/// directions that they happen to show, it is 1.7 times too large on average. Half of it costs a quarter where nothing is wrong, as much
-/// as the larger of the two σ of each number would.
-const OF_JACKKNIFE: f64 = 0.5;
-
-impl ModelScore {
-    /// What the groups show of what is shared, as far as it counts.
-    pub(super) fn counted_spread(&self) -> SharedCovariance {
-        self.spread * OF_JACKKNIFE
-    }
-}
-
 /// Groups into which frames or clicks are dealt.
 pub(super) const FOLDS: usize = 5;
 

@@ -19,7 +19,7 @@ pub(super) struct SharedPrior {
 /// Which number, and what it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Expected {
-    /// The base's downward axis leans neither forward nor backward along the mean view direction (unit, `world` x and y), rad.
+    /// The base's downward axis leans neither forward nor backward along the direction to the field (unit, `world` x and y), rad.
     Pitch(Vec2),
     /// Nor to the side of that direction, rad.
     Roll(Vec2),
