@@ -148,6 +148,9 @@ fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
 
+/// With fewer frames the principal point and the direction to the field are not told from the position.
+pub(super) const PLACING_FRAMES: usize = 12;
+
 /// How a camera looks at its field: what its priors are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeanView {
@@ -159,11 +162,15 @@ pub(super) struct MeanView {
 }
 
 impl MeanView {
-    /// Of frames of a base; where there is none, at the focal length of the priors.
+    /// Of frames of a base. Few frames do not place a camera well enough to say where it sees its field: then it is taken to stand on
+    /// the main stand, at the focal length of the priors.
     pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
+        if ptz.len() < PLACING_FRAMES {
+            return Self { along: Vec2::new(0.0, 1.0), focal_px: LENS_FOCAL_PX };
+        }
         let along = (-base.position_m.xy()).try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0));
         let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
-        let focal_px = if ptz.is_empty() { LENS_FOCAL_PX } else { (logs / ptz.len() as f64).exp() };
+        let focal_px = (logs / ptz.len() as f64).exp();
         Self { along, focal_px }
     }
 }
@@ -181,7 +188,11 @@ impl BasePriors {
         ];
         if model.lens != LensModel::Pinhole {
             // A k₁ that does not follow the focal length is the one at the frames' own.
-            let beyond_px = if model.lens.follows_focal() { 0.0 } else { view.focal_px / per_1920 - LENS_FOCAL_PX };
+            let beyond_px = if model.lens.follows_focal() || view.focal_px == LENS_FOCAL_PX {
+                0.0
+            } else {
+                view.focal_px / per_1920 - LENS_FOCAL_PX
+            };
             let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
             found.push(prior(Expected::K1(expected), self.k1.1.hypot(self.k1_slope.1 * beyond_px / 1000.0)));
         }

@@ -1,6 +1,6 @@
 //! The whole way from clicks to a base: start, adjustment, choice of the model, what disagrees.
 
-use super::adjust::adjust_base;
+use super::adjust::{PLACING_FRAMES, adjust_base};
 use super::disputes::{disputed_clicks, mirrored_frames};
 use super::model_choice::{CrossValidation, Errors, FOLDS, MIN_FRAMES, choose};
 use super::one_more::one_more_frame;
@@ -23,7 +23,7 @@ pub struct BaseOptions {
     pub lens: Option<LensModel>,
     /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free one.
     pub crown: Option<CrownModel>,
-    /// Also find the principal point where six frames or more may show it, held near the middle by its prior. True by default.
+    /// Also find the principal point where a dozen frames or more may show it, held near the middle by its prior. True by default.
     pub principal_point: bool,
     /// How to adjust.
     pub adjust: AdjustOptions,
@@ -56,9 +56,9 @@ impl BaseEstimate {
 
 impl BaseOptions {
     /// Around which point the principal point is found; none where it stays. Few frames do not show it: on real matches one or two
-    /// frames err by a tenth more with it than without, all frames by a tenth less.
+    /// frames err by a tenth more with it than without, and ten by 2 %; all frames err by a tenth less.
     fn free_centre(&self, nominal: ImagePoint, frames: usize) -> Option<ImagePoint> {
-        (self.principal_point && frames >= MIN_FRAMES).then_some(nominal)
+        (self.principal_point && frames >= PLACING_FRAMES).then_some(nominal)
     }
 
     /// The model with most that is free among those that may be chosen.
