@@ -40,6 +40,8 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     window.harness.get_all_by_label_contains("0003.png: ").next().unwrap().click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
+    window.harness.get_by_label("Leave 0003.png out").scroll_to_me();
+    window.harness.run_steps(3);
     window.harness.get_by_label("Leave 0003.png out").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().base_readiness().left_out, 1);
