@@ -42,10 +42,10 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     assert_eq!(window.app().session.frame, 3);
     window.harness.get_by_label("Leave 0003.png out").scroll_to_me();
     window.harness.run_steps(3);
-    window.harness.get_by_label("Leave 0003.png out").click();
+    window.harness.get_by_label("Leave 0003.png out").click_accesskit();
     window.harness.run_steps(2);
     assert_eq!(window.app().base_readiness().left_out, 1);
-    window.harness.get_by_label("Put back").click();
+    window.harness.get_by_label("Put back").click_accesskit();
     window.harness.run_steps(2);
     assert_eq!(window.app().base_readiness().left_out, 0);
 }
