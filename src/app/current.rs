@@ -37,7 +37,7 @@ pub struct Current {
     pub residuals: Vec<ClickResidual>,
     /// One word and its reason; none without a solution.
     pub judgement: Option<Judgement>,
-    /// The camera as the frame has it pointed: what the overlay draws.
+    /// The camera as the frame has it pointed, unless it is a suggestion that does not hold: what the overlay draws.
     pub camera: Option<PtzCamera>,
     /// The camera as it would be with what is being placed or named; while no base is known, the camera that four landmarks
     /// of this frame give by themselves. Drawn dashed.
@@ -147,7 +147,8 @@ impl Current {
         };
         // A document may hold clicks that nobody has solved yet.
         let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
-        let camera = open.document.pointed(frame).or_else(from_clicks);
+        let pointed = open.document.pointed(frame).filter(|_| !frame.is_hopeless());
+        let camera = pointed.or_else(from_clicks);
         let next_clicks = match (&field, &camera, &solution) {
             (Ok(field), Some(camera), Some(Ok(solved))) => {
                 next_clicks(field, camera, solved, &frame.clicks, frame.image_size)
@@ -274,8 +275,14 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
     }
 }
 
-/// Ranks the names for a click of a frame.
-pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usize, lines: bool) -> Option<Naming> {
+/// Ranks the names for a click of a frame. `contradicted`: paint that is not recorded yet speaks against the frame's camera.
+pub(super) fn rank_names(
+    open: &mut OpenProject,
+    frame_index: usize,
+    click: usize,
+    lines: bool,
+    contradicted: bool,
+) -> Option<Naming> {
     let field = open.field_of(frame_index).ok()?;
     let frame = open.document.frames.get(frame_index)?;
     let at = frame.clicks.get(click)?.image;
@@ -289,7 +296,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     let camera = calibrate(&open.document, open.derived.lookup(&open.document), &others, &field, frame_index)
         .ok()
         .map(|solved| solved.ptz)
-        .or_else(|| named.is_empty().then(|| as_proposed_or_by_hand(frame)).flatten())
+        .or_else(|| as_proposed_or_by_hand(frame).filter(|_| named.is_empty() && frame.vouches() && !contradicted))
         .zip(base)
         .map(|(ptz, base)| PtzCamera::new(base, ptz))
         .or_else(|| if base.is_none() { camera_alone(&open.document, &others, &field) } else { None });
@@ -317,7 +324,8 @@ fn as_proposed_or_by_hand(frame: &Frame) -> Option<Ptz> {
 /// Where this camera looked in other shots: the solved frames nearest by number.
 fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     let Some(frame) = open.frame(frame_index) else { return Vec::new() };
-    let wanted = |other: &Frame| other.camera == frame.camera && other.clip != frame.clip && other.ptz.is_some();
+    let is_elsewhere = |other: &Frame| other.camera == frame.camera && other.clip != frame.clip;
+    let wanted = |other: &Frame| is_elsewhere(other) && other.ptz.is_some() && other.vouches();
     let mut found = Vec::new();
     for forward in [false, true] {
         let mut at = frame_index;

@@ -228,6 +228,7 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
         }
         Some(Err(error)) if proposed(frame).is_none() => Guidance::say(format!("No camera yet: {error}.")),
         _ => match proposed(frame) {
+            Some(_) if frame.is_hopeless() => Guidance::say(format!("No proposal that holds. {}", first_point())),
             Some(_) => Guidance::say(format!(
                 "Dashed = proposed{}. Enter takes it, a click corrects it, X rejects it.",
                 if frame.is_snapped_proposal() { " and snapped to the painted lines" } else { "" }

@@ -3,9 +3,10 @@
 use super::sentence;
 use crate::document::Document;
 use crate::exchange::{
-    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, ImportOptions, Imported,
-    Joined, export, import, join, plan_dataset, write_dataset,
+    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, FrameChoice,
+    ImportOptions, Imported, Joined, export, import, join, plan_dataset, write_dataset,
 };
+use crate::geometry::counted;
 use crate::media::ReadFrames;
 use crate::store;
 use std::ops::ControlFlow;
@@ -54,7 +55,7 @@ impl Default for Transfer {
         Self {
             tab: TransferTab::default(),
             format: Format::Json,
-            export: ExportOptions::default(),
+            export: ExportOptions { frames: FrameChoice::reviewed(), ..ExportOptions::default() },
             dataset: DatasetOptions::default(),
             replace: false,
             import_format: Format::SoccerNet,
@@ -246,7 +247,7 @@ impl TransferOrder {
                         return Err(ExchangeError::Stopped);
                     }
                     exported.write(to, *replace && !exported.is_folder())?;
-                    Ok(format!("{} frames written as {format}: {}", exported.frames, to.display()))
+                    Ok(format!("{} written as {format}: {}", counted(exported.frames, "frame"), to.display()))
                 };
                 TransferAction::Written { ticket, result: write().map_err(|error| said(&error)) }
             }
@@ -261,7 +262,7 @@ impl TransferOrder {
                         0 => String::new(),
                         count => format!(", {count} left out"),
                     };
-                    format!("Dataset of {} frames{left_out} written: {}", done.frames, to.display())
+                    format!("Dataset of {}{left_out} written: {}", counted(done.frames, "frame"), to.display())
                 };
                 TransferAction::Written { ticket, result: written.map(text).map_err(|error| said(&error)) }
             }

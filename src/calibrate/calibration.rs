@@ -129,7 +129,7 @@ pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
         for other in both.into_iter().flatten().filter_map(|other| document.frames.get(other)) {
             if other.camera == frame.camera
                 && other.clip == frame.clip
-                && let Some(ptz) = &other.ptz
+                && let Some(ptz) = other.ptz.as_ref().filter(|_| other.vouches())
             {
                 found.push(ptz.ptz());
                 if found.len() == NEIGHBOURS {

@@ -170,7 +170,7 @@ fn shot_of(frame: &Frame) -> Option<(ShotKey, u64)> {
 
 /// The shot of a solved frame, its number there, and how it is pointed.
 fn solved_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
-    let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?.ptz();
+    let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected && frame.vouches())?.ptz();
     let (key, number) = shot_of(frame)?;
     Some((key, number, ptz))
 }

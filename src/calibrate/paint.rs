@@ -6,10 +6,11 @@ use crate::document::{
     Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target,
 };
 use crate::field::FieldModel;
+use crate::markings::LineVerdict;
 use crate::media::Picture;
 use crate::paint::{
-    FindError, FindOptions, Found, GroundPicture, LineCheck, LineVerdict, PointSnapOptions, SnapError, SnapOptions,
-    Snapped, SnappedPoint, WatchFind, check_lines, find_camera, snap, snap_point,
+    FindError, FindOptions, Found, GroundPicture, LineCheck, PointSnapOptions, SnapError, SnapOptions, Snapped,
+    SnappedPoint, WatchFind, check_lines, find_camera, snap, snap_point,
 };
 use crate::solve::ObservationError;
 use thiserror::Error;

@@ -48,9 +48,10 @@ impl Document {
     pub fn free_camera_name(&self, like: &CameraId) -> CameraId {
         let stem = like.as_str().trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
         let stem = if stem.is_empty() { "camera" } else { stem };
+        let gap = if stem.ends_with(['-', '_', '.']) { "" } else { " " };
         let mut number = 2;
         loop {
-            let name = CameraId::from(format!("{stem} {number}").as_str());
+            let name = CameraId::from(format!("{stem}{gap}{number}").as_str());
             if self.camera(&name).is_none() {
                 return name;
             }

@@ -8,6 +8,7 @@ use crate::exchange::{
     DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
     write_dataset as write,
 };
+use crate::geometry::counted;
 use crate::media::FrameReader;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::ops::ControlFlow;
@@ -121,6 +122,11 @@ pub fn write_dataset(
     } else {
         String::new()
     };
-    messages.note(&format!("{} frames{counts} and {} pictures in {}", done.frames, done.pictures, folder.display()));
+    messages.note(&format!(
+        "{}{counts} and {} in {}",
+        counted(done.frames, "frame"),
+        counted(done.pictures, "picture"),
+        folder.display()
+    ));
     Ok(if done.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

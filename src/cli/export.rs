@@ -11,7 +11,7 @@ use crate::exchange::{
     export as export_document,
 };
 use crate::files::read_named_text;
-use crate::geometry::{ImageSize, Vec3};
+use crate::geometry::{ImageSize, Vec3, counted};
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
@@ -256,6 +256,6 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     } else {
         String::new()
     };
-    messages.note(&format!("{} frames written as {}{proof}", exported.frames, exported.format));
+    messages.note(&format!("{} written as {}{proof}", counted(exported.frames, "frame"), exported.format));
     Ok(if exported.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

@@ -7,7 +7,7 @@ use super::messages::Messages;
 use super::new::{parameter, read_field};
 use crate::exchange::{Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document};
 use crate::files::read_named_text;
-use crate::geometry::ImageSize;
+use crate::geometry::{ImageSize, counted};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 
@@ -98,6 +98,6 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     }
     let (frames, cameras) = (imported.document.frames.len(), imported.document.cameras.len());
     args.output.write(imported.document, &imported.folder)?;
-    messages.note(&format!("{frames} frames of {cameras} cameras"));
+    messages.note(&format!("{} of {}", counted(frames, "frame"), counted(cameras, "camera")));
     Ok(Outcome::Done)
 }

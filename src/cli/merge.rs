@@ -5,6 +5,7 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::document::{Document, Frames, Merged, merge as merge_documents};
 use crate::exchange::restore_version;
+use crate::geometry::counted;
 use anyhow::Context as _;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,12 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let merged = merged.context("give at least one version")?;
     let frames = merged.frames.len();
     args.output.write(merged, folder)?;
-    messages.note(&format!("{frames} frames of {} versions, {} conflicts", args.versions.len(), not_taken.names.len()));
+    messages.note(&format!(
+        "{} of {} versions, {}",
+        counted(frames, "frame"),
+        args.versions.len(),
+        counted(not_taken.names.len(), "conflict")
+    ));
     let Some(others) = not_taken.document else { return Ok(Outcome::Done) };
     if let Some(beside) = args.output.output.as_deref().map(beside) {
         let said = beside.display().to_string();

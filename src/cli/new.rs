@@ -5,6 +5,7 @@ use super::document::refuse_unwritable;
 use super::messages::Messages;
 use super::output::refuse_existing;
 use crate::document::{FieldSpec, document_from_frames};
+use crate::geometry::counted;
 use crate::media::FrameSource;
 use crate::store::Location;
 use anyhow::{Context as _, ensure};
@@ -74,7 +75,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_unwritable(&made.document, &folder)?;
     let location = Location::for_new_document(&folder.join(""))?;
     crate::store::write_document(&location, &made.document, args.force)?;
-    messages.note(&format!("{}: {} frames", location.file().display(), made.document.frames.len()));
+    messages.note(&format!("{}: {}", location.file().display(), counted(made.document.frames.len(), "frame")));
     Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }
 

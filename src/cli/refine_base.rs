@@ -8,6 +8,7 @@ use crate::calibrate::{
     estimate_on_paint, follow_bases, solve_document,
 };
 use crate::document::{CameraId, Document, DocumentAt, Frame};
+use crate::geometry::counted;
 use crate::media::{FrameReader, Picture};
 use crate::proposals::read_picture;
 use crate::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
@@ -161,7 +162,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     document.count_edits_since(&before);
     args.output.write(document, location.folder())?;
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
-    messages.note(&format!("{} cameras estimated, {solved} frames solved", estimates.len()));
+    messages.note(&format!("{} estimated, {} solved", counted(estimates.len(), "camera"), counted(solved, "frame")));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 

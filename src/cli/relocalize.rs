@@ -9,6 +9,7 @@ use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
 use crate::document::{Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between};
 use crate::files::read_named;
+use crate::geometry::counted;
 use crate::media::{FrameReader, FrameSource, image_size};
 use crate::proposals::{
     Coverage, FramePictures, KeyWindow, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose,
@@ -145,7 +146,10 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
     let why_passed =
         if args.key_frames { "no key frames, with clicks, or accepted" } else { "with clicks, or accepted" };
-    messages.note(&format!("{answered} frames answered, {failed} not, {passed} left unchanged ({why_passed})"));
+    messages.note(&format!(
+        "{} answered, {failed} not, {passed} left unchanged ({why_passed})",
+        counted(answered, "frame")
+    ));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 

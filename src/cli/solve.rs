@@ -5,6 +5,7 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
 use crate::document::{Document, DocumentAt, Fields, FrameStatus};
+use crate::geometry::counted;
 use crate::media::FrameReader;
 use crate::proposals::read_picture;
 use std::path::Path;
@@ -51,7 +52,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     drop(before);
     args.output.write(document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
-    messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));
+    messages.note(&format!("{} solved, {failed} failed, {passed} with too few clicks", counted(solved, "frame")));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 

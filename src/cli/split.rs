@@ -4,6 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use crate::exchange::write_packages;
+use crate::geometry::counted;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -33,6 +34,11 @@ pub fn split(args: &SplitArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let at = document.at(location.folder());
     let counts = write_packages(at, args.frames.get(), &args.output, args.outside_pictures)?;
     let frames: usize = counts.iter().sum();
-    messages.note(&format!("{frames} frames in {} packages in {}", counts.len(), args.output.display()));
+    messages.note(&format!(
+        "{} in {} in {}",
+        counted(frames, "frame"),
+        counted(counts.len(), "package"),
+        args.output.display()
+    ));
     Ok(Outcome::Done)
 }

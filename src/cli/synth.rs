@@ -4,7 +4,7 @@ use super::Outcome;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
 use crate::document::document_to_string;
-use crate::geometry::ImageSize;
+use crate::geometry::{ImageSize, counted};
 use crate::jobs::{DrawnPicture, MatchOrder, draw_match};
 use crate::store::{Location, PROJECT_FILE, write_document};
 use crate::synthetic::{Graphics, Preset, ShootOptions};
@@ -136,7 +136,11 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     write_file(&args.output.join(TRUTH_FILE), document_to_string(&drawn.truth)?.as_bytes(), args.force)?;
     let location = Location::for_new_document(&args.output.join(""))?;
     write_document(&location, &drawn.project, args.force)?;
-    messages.note(&format!("{}: {} frames, the truth in {TRUTH_FILE}", location.file().display(), order.frames));
+    messages.note(&format!(
+        "{}: {}, the truth in {TRUTH_FILE}",
+        location.file().display(),
+        counted(order.frames, "frame")
+    ));
     Ok(Outcome::Done)
 }
 

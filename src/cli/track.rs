@@ -8,6 +8,7 @@ use crate::calibrate::{
     ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip,
 };
 use crate::document::{Document, Fields};
+use crate::geometry::counted;
 use crate::media::FrameReader;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
@@ -64,7 +65,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         ));
         return Ok(Outcome::Stopped);
     }
-    messages.note(&format!("{} frames carried, {} not", carried.frames, carried.failed));
+    messages.note(&format!("{} carried, {} not", counted(carried.frames, "frame"), carried.failed));
     Ok(if carried.failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 

@@ -3,6 +3,7 @@
 use super::{Extra, Target, adapters};
 use crate::camera::{Ptz, Radial};
 use crate::geometry::Mat3;
+use crate::markings::LineVerdict;
 use crate::solve::{IdentityFinding, Name, Verdict, WarningCode};
 use serde::{Deserialize, Serialize};
 
@@ -142,6 +143,20 @@ pub struct Proposed {
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub worst_corner_sigma_px: Option<f64>,
+}
+
+impl PaintEvidence {
+    /// Places of the lines that lie open.
+    #[must_use]
+    pub const fn open(&self) -> usize {
+        self.found + self.bare
+    }
+
+    /// What the paint says.
+    #[must_use]
+    pub fn verdict(&self) -> LineVerdict {
+        LineVerdict::of(self.score, self.open())
+    }
 }
 
 /// What the painted lines of a picture say about a camera.

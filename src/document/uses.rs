@@ -1,9 +1,44 @@
 //! What a frame is used for: the training of the forest, the estimation of its camera's base.
 
-use super::{Frame, FrameStatus, Solution, SolutionSource, Target};
+use super::{Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, Target};
+use crate::markings::LineVerdict;
 use crate::solve::Verdict;
 
+/// What the program suggests with less is more likely wrong than right.
+pub const LIKELY: f64 = 0.5;
+
+/// What the program suggests with less is no answer: nothing is drawn of it.
+const HOLDS: f64 = 0.1;
+
 impl Frame {
+    /// The probability that its camera is right, while that is the program's and no person has accepted it or clicked it right.
+    #[must_use]
+    pub fn suggested_confidence(&self) -> Option<f64> {
+        let is_open = self.is_suggestion() && self.status == FrameStatus::Suggested;
+        self.solution.as_ref().filter(|_| is_open)?.confidence
+    }
+
+    /// What is recorded of the paint of its picture, where that contradicts its camera.
+    #[must_use]
+    pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {
+        let evidence = self.solution.as_ref().filter(|_| self.ptz.is_some())?.line_check.as_ref()?;
+        (evidence.verdict() == LineVerdict::Contradicts).then_some(evidence)
+    }
+
+    /// Whether its camera may speak for others: a person's word for it, or a suggestion that is as likely right as wrong and that no
+    /// paint contradicts.
+    #[must_use]
+    pub fn vouches(&self) -> bool {
+        self.suggested_confidence()
+            .is_none_or(|confidence| confidence >= LIKELY && self.contradicting_paint().is_none())
+    }
+
+    /// Whether its camera is a suggestion that does not even hold.
+    #[must_use]
+    pub fn is_hopeless(&self) -> bool {
+        self.suggested_confidence().is_some_and(|confidence| confidence < HOLDS)
+    }
+
     /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set manually.
     #[must_use]
     pub fn is_suggestion(&self) -> bool {
@@ -103,6 +138,18 @@ mod tests {
         frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
         frame.status = FrameStatus::Reference;
         frame
+    }
+
+    #[test]
+    fn a_suggestion_speaks_for_others_while_it_is_likely_and_a_person_always() {
+        let off = PaintEvidence { score: 0.01, found: 3, bare: 80, predicted: 90, ..PaintEvidence::default() };
+        for (confidence, line_check, speaks) in [(0.6, None, true), (0.4, None, false), (0.6, Some(off), false)] {
+            let accepted = reference(SolutionSource::Forest);
+            let mut suggested = Frame { status: FrameStatus::Suggested, ..accepted.clone() };
+            let solution = suggested.solution.as_mut().unwrap();
+            (solution.confidence, solution.line_check) = (Some(confidence), line_check);
+            assert_eq!((suggested.vouches(), accepted.vouches()), (speaks, true), "{confidence}");
+        }
     }
 
     #[test]

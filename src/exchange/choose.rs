@@ -16,6 +16,19 @@ pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
     by_status && by_confidence && (choice.cameras.is_empty() || choice.cameras.contains(&frame.camera))
 }
 
+/// Names the accepted frames whose paint contradicts their cameras; none where there are none.
+pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<String> {
+    let is_off = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.contradicting_paint().is_some();
+    let off: Vec<String> = frames.filter(is_off).map(Frame::name).collect();
+    let first = off.first()?;
+    Some(match off.len() {
+        1 => format!("the paint contradicts the camera of {first}, which is accepted: look at it again"),
+        count => format!(
+            "the paint contradicts the cameras of {count} accepted frames, the first {first}: look at them again"
+        ),
+    })
+}
+
 /// Why nothing is left to export.
 pub fn nothing(format: Format, left_out: &[(String, String)]) -> ExchangeError {
     let why = match left_out {

@@ -1,6 +1,6 @@
 //! A document in a foreign format. Everything is made in memory and read again before anything is written.
 
-use super::choose::is_chosen;
+use super::choose::{is_chosen, off_paint_note};
 use super::error::ExchangeError;
 use super::export_cameras::export_cameras;
 use super::export_clicks::export_clicks;
@@ -21,6 +21,14 @@ pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Re
     if !format.exports() {
         return Err(ExchangeError::OneWay { format, what: "exported", instead: "imported" });
     }
+    let mut exported = written(at, format, options)?;
+    let chosen = at.document.frames.iter().map(|frame| &**frame).filter(|frame| is_chosen(frame, &options.frames));
+    exported.notes.extend(off_paint_note(chosen));
+    Ok(exported)
+}
+
+/// The document in a format that writes.
+fn written(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Result<Exported, ExchangeError> {
     if let Some(camera_format) = camera_format(format) {
         let export = |at: DocumentAt<'_>, options: &ExportOptions| export_cameras(at, format, camera_format, options);
         return match options.gaps {

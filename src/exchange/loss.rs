@@ -2,7 +2,7 @@
 
 use super::frame_camera::{FrameCamera, Shown};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Vec3, counted};
 use std::fmt;
 
 /// Points of each line that are compared.
@@ -30,7 +30,7 @@ pub struct Loss {
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { what, frames, rms_px, worst_px, worst_frame, off_ground } = self;
-        write!(f, "not held: {} ({frames} frames); ", what.join(", "))?;
+        write!(f, "not held: {} ({}); ", what.join(", "), counted(*frames, "frame"))?;
         write!(f, "points of the field move by {rms_px:.2} px rms, at most {worst_px:.2} px in {worst_frame}")?;
         if *off_ground > 0 {
             write!(f, "; {off_ground} landmarks off the ground are left out")?;

@@ -24,6 +24,12 @@ impl FrameChoice {
     pub fn everything() -> Self {
         Self { statuses: FrameStatus::ALL.to_vec(), ..Self::default() }
     }
+
+    /// What a person has clicked or accepted; suggestions that nobody has looked at stay out.
+    #[must_use]
+    pub fn reviewed() -> Self {
+        Self { statuses: vec![FrameStatus::Reference, FrameStatus::Draft], ..Self::default() }
+    }
 }
 
 /// Which frames are exported, and how.

@@ -22,7 +22,7 @@ pub use image::{ImagePoint, ImageSize, PixelBox};
 pub(crate) use median::{median, median_high};
 pub(crate) use rows::rows;
 pub(crate) use segment::distance_from_segment;
-pub(crate) use text::{hex, is_formula, text_cell, thousands};
+pub(crate) use text::{counted, hex, is_formula, text_cell, thousands};
 
 /// A column of two numbers; the name of the value gives frame and unit.
 pub type Vec2 = nalgebra::Vector2<f64>;

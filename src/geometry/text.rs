@@ -16,6 +16,13 @@ pub fn thousands(number: usize) -> String {
     text
 }
 
+/// A count with what is counted: "1 frame", "2 frames", "41,200 frames".
+#[must_use]
+pub fn counted(number: usize, singular: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {singular}{plural}", thousands(number))
+}
+
 /// Bytes in lower-case hexadecimal digits, two each.
 #[must_use]
 pub fn hex(bytes: &[u8]) -> String {

@@ -14,9 +14,11 @@ mod ground;
 mod landmarks;
 mod lines;
 mod samples;
+mod verdict;
 mod window;
 
 pub(crate) use ground::visible_ground;
 pub use landmarks::{ProjectedLandmark, project_landmarks};
 pub use lines::{MarkingOptions, MarkingPolyline, project_lines};
 pub use samples::{LineSample, SampleOptions, sample_lines};
+pub use verdict::{FEWEST_OPEN, LineVerdict};

@@ -1,12 +1,14 @@
 //! The line check: a camera judged by the paint that it predicts.
 
 use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
-use super::sightings::Look;
+use super::sightings::{Look, Seen};
 use super::unexplained::unexplained_share;
 use super::{GroundPicture, Sightings};
 use crate::camera::{Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, median_high};
+use crate::markings::LineVerdict;
+use std::collections::BTreeMap;
 
 /// Paint is looked for this far from where a camera predicts it, px at 1920 px width.
 const REACH_PX: f64 = 12.0;
@@ -16,9 +18,6 @@ const SPACING_PX: f64 = 16.0;
 
 /// Paint this far off counts half, px at 1920 px width.
 const HALF_PX: f64 = 4.0;
-
-/// A verdict is given where it is right with this probability.
-const SUPPORTS: f64 = 0.9;
 
 /// How many neighbouring samples are in the same half.
 const BLOCK: usize = 6;
@@ -41,44 +40,19 @@ pub struct LineCheck {
     pub halves_px: f64,
     /// The share of the paint on the playing area that no predicted line explains; none where there is too little.
     pub unexplained: Option<f64>,
+    /// The share of the open samples that have paint, of the line that has least of it; none where no line lies open over some length.
+    pub emptiest: Option<f64>,
     /// The share of the open samples that have paint, each by its distance.
     pub agreement: f64,
     /// The probability that the camera is right within 10 px at 1920 px width, by the paint alone.
     pub score: f64,
 }
 
-/// What the paint says about a camera, in a word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LineVerdict {
-    /// The paint lies where the camera predicts it.
-    Supports,
-    /// The paint lies elsewhere.
-    Contradicts,
-    /// Too little paint is predicted or can be seen.
-    CannotSay,
-}
-
 impl LineCheck {
-    /// With fewer open samples the paint says nothing.
-    pub const FEWEST_OPEN: usize = 30;
-
     /// What the paint says.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
         LineVerdict::of(self.score, self.found + self.bare)
-    }
-}
-
-impl LineVerdict {
-    /// What the score of this many open samples says.
-    #[must_use]
-    pub fn of(score: f64, open: usize) -> Self {
-        match score {
-            _ if open < LineCheck::FEWEST_OPEN => Self::CannotSay,
-            score if score >= SUPPORTS => Self::Supports,
-            score if score <= 1.0 - SUPPORTS => Self::Contradicts,
-            _ => Self::CannotSay,
-        }
     }
 }
 
@@ -103,6 +77,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
     let pull = RidgeAlignment::new(&around, &sightings, scale);
     let halves_px = halves_apart_px(&pull, &around, StepPx::zeros(), &[6.0 * scale, 4.0 * scale, 3.0 * scale], size);
     let unexplained = unexplained_share(ground, field, camera, &sightings.samples);
+    let emptiest = emptiest_line(&sightings);
     let agreement = if found + bare == 0 { 0.0 } else { weighed / (found + bare) as f64 };
     let mut check = LineCheck {
         predicted: sightings.samples.len(),
@@ -112,11 +87,30 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         bias_px: median(biases),
         halves_px,
         unexplained,
+        emptiest,
         agreement,
         score: 0.0,
     };
     check.score = score(&check, scale);
     check
+}
+
+/// A line with fewer open samples may be hidden by what is not told from ground.
+const LONG_LINE: usize = 12;
+
+/// The least share of a line's open samples that have paint.
+fn emptiest_line(sightings: &Sightings) -> Option<f64> {
+    let mut lines: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
+    for (sample, seen) in sightings.samples.iter().zip(&sightings.seen) {
+        let (found, bare) = lines.entry(sample.line).or_default();
+        match seen {
+            Seen::Paint(_) => *found += 1,
+            Seen::Bare => *bare += 1,
+            Seen::Hidden => {}
+        }
+    }
+    let long = lines.into_values().filter(|(found, bare)| found + bare >= LONG_LINE);
+    long.map(|(found, bare)| found as f64 / (found + bare) as f64).min_by(f64::total_cmp)
 }
 
 /// The logarithm of the odds that a camera is right within 10 px at 1920 px width: 1, the agreement less one half, and the

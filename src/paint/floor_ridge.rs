@@ -181,9 +181,10 @@ fn normal_cdf(at: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::{ImagePoint, ImageSize, Vec2};
+    use crate::markings::LineVerdict;
     use crate::media::Picture;
     use crate::paint::drawn::{COURT, SIZE, court, court_camera, court_truth};
-    use crate::paint::{LineVerdict, SnapOptions, Strokes, check_lines, snap};
+    use crate::paint::{SnapOptions, Strokes, check_lines, snap};
 
     const WOOD: [f64; 3] = [214.0, 178.0, 132.0];
     const BLUE: [f64; 3] = [18.0, 52.0, 140.0];

@@ -45,7 +45,7 @@ mod unexplained;
 pub use across::Ridge;
 pub use agreement::Agreement;
 pub(crate) use check::overlays_apart_px;
-pub use check::{LineCheck, LineVerdict, check_lines};
+pub use check::{LineCheck, check_lines};
 pub use error::SnapError;
 pub use find::{FindError, FindOptions, Found, WatchFind, find_camera};
 pub use ground::GroundPicture;

@@ -12,6 +12,7 @@ use crate::camera::CameraBase;
 use crate::document::{
     Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, SplitDocument, Suggestion,
 };
+use crate::geometry::counted;
 use std::collections::BTreeMap;
 
 /// Something that was found for a frame.
@@ -148,7 +149,7 @@ impl Layered {
             shown.frames[position] = with;
             count += 1;
         }
-        let name = if count == 1 { "Proposal for 1 frame".to_owned() } else { format!("Proposals for {count} frames") };
+        let name = format!("Proposals for {}", counted(count, "frame"));
         let edit = Edit::between(self.shown(), &shown, &name);
         self.split.go_on_to(shown);
         Some(edit).filter(|edit| !edit.is_empty())

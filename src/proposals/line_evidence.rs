@@ -5,8 +5,9 @@ use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{DocumentAt, Fields, Frame, FramePtz, FrameStatus};
 use crate::field::FieldError;
 use crate::geometry::ImageSize;
+use crate::markings::{FEWEST_OPEN, LineVerdict};
 use crate::media::{FrameReader, Picture, ReadFrames};
-use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapOptions, Snapped, check_lines, overlays_apart_px, snap};
+use crate::paint::{GroundPicture, LineCheck, SnapOptions, Snapped, check_lines, overlays_apart_px, snap};
 use crate::relocalize::{Evidence, FromReference, NotFound};
 use rayon::prelude::*;
 
@@ -163,7 +164,7 @@ fn ground(at: DocumentAt<'_>, frame: &Frame, picture: &Picture) -> GroundPicture
 
 /// Whether enough of the lines lies open.
 fn can_say(check: &LineCheck) -> bool {
-    check.found + check.bare >= LineCheck::FEWEST_OPEN
+    check.found + check.bare >= FEWEST_OPEN
 }
 
 fn supports_hardly_any(proposals: &[Proposal]) -> bool {
@@ -220,6 +221,7 @@ mod tests {
             bias_px: 0.0,
             halves_px: 1.0,
             unexplained: None,
+            emptiest: None,
             agreement: 0.5,
             score,
         });

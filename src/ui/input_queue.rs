@@ -11,6 +11,8 @@ use std::collections::VecDeque;
 #[derive(Debug, Default)]
 pub struct InputQueue {
     waiting: VecDeque<Event>,
+    /// The keys that are down: which key of the keyboard, and what it meant when it went down.
+    down: Vec<(Key, Key)>,
 }
 
 /// What a frame of the window has been given so far.
@@ -70,6 +72,11 @@ impl InputQueue {
     fn exchange(&mut self, events: Vec<Event>) -> Vec<Event> {
         let mut text_of_repeat = false;
         for event in events {
+            if event == Event::WindowFocused(false) {
+                // What is let go elsewhere is not heard of.
+                self.down.clear();
+            }
+            let event = self.released_as_pressed(event);
             match &event {
                 // Repeats of a held key do not pile up in a slow window.
                 Event::Key { key, pressed: true, .. } if self.is_down_at_end(*key) => {
@@ -84,6 +91,22 @@ impl InputQueue {
         let mut given = Given::default();
         let count = self.waiting.iter().take_while(|event| given.accepts(event)).count();
         self.waiting.drain(..count).collect()
+    }
+
+    /// A key goes up as what it went down as. Where Shift is let go before the slash, a question mark went down and a slash would come
+    /// up, so that the question mark would stay down and its next press would be a repeat.
+    fn released_as_pressed(&mut self, event: Event) -> Event {
+        let Event::Key { key, physical_key: Some(physical), pressed, repeat, modifiers } = event else { return event };
+        let known = self.down.iter().position(|(down, _)| *down == physical);
+        let meant = match (known, pressed) {
+            (Some(known), false) => self.down.swap_remove(known).1,
+            (None, true) => {
+                self.down.push((physical, key));
+                key
+            }
+            (Some(_), true) | (None, false) => key,
+        };
+        Event::Key { key: meant, physical_key: Some(physical), pressed, repeat, modifiers }
     }
 
     /// Whether the last queued event of a key is a press.
@@ -188,5 +211,24 @@ mod tests {
         assert_eq!(frames(&held), [vec![down.clone(), text(".")], vec![up.clone()]]);
         let taps = [down.clone(), up.clone(), down.clone(), up.clone()];
         assert_eq!(frames(&taps), [vec![down.clone()], vec![up.clone(), down], vec![up]]);
+    }
+
+    #[test]
+    fn a_key_goes_up_as_what_it_went_down_as() {
+        let event = |key: Key, pressed: bool, modifiers: Modifiers| Event::Key {
+            key,
+            physical_key: Some(Key::Slash),
+            pressed,
+            repeat: false,
+            modifiers,
+        };
+        let mut queue = InputQueue::default();
+        for _ in 0..2 {
+            let shifted = event(Key::Questionmark, true, Modifiers::SHIFT);
+            assert_eq!(queue.exchange(vec![shifted.clone()]), [shifted]);
+            // Shift went up before.
+            let up = queue.exchange(vec![event(Key::Slash, false, Modifiers::NONE)]);
+            assert_eq!(up, [event(Key::Questionmark, false, Modifiers::NONE)]);
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! Plain keys do nothing while a text field has the focus, and while a name or a reason is being chosen (those lists
 //! read letters and digits themselves).
 
-use super::{Panel, dialogs};
+use super::dialogs;
 use crate::app::session::{Dialog, Held, Mode};
 use crate::app::{Action, App, Chord, Command};
 use egui::{Event, FocusDirection, Key, Modifiers};
@@ -51,7 +51,7 @@ pub enum Focus {
 }
 
 /// Reads the keys of this frame of the window.
-pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
     if dialogs::captures_keys(ctx) || egui::Popup::is_any_open(ctx) {
         return;
     }
@@ -68,19 +68,19 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         let Event::Key { key, physical_key, pressed, repeat, modifiers } = event else { continue };
         let stroke =
             KeyStroke { key: *key, physical: *physical_key, pressed: *pressed, repeat: *repeat, modifiers: *modifiers };
-        asked.extend(meaning(panel.app, stroke, focus));
+        asked.extend(meaning(app, stroke, focus));
     }
     let steps_clicks = |action: &Action| matches!(action, Action::Command(Command::NextClick | Command::PreviousClick));
     if asked.iter().any(steps_clicks) {
         // Tab was a command: the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
-    if !window_focused && panel.app.session.held != Held::default() {
+    if !window_focused && app.session.held != Held::default() {
         asked.push(Action::Hold(Command::HideOverlay, false));
         asked.push(Action::Hold(Command::Compare, false));
         asked.push(Action::Hold(Command::Snap, false));
     }
-    panel.actions.extend(asked);
+    actions.extend(asked);
 }
 
 /// What a key means right now.

@@ -2,8 +2,8 @@
 
 use super::resizing::{Edge, Resized};
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
-    rejecting, review, status, theme::Themed as _, timeline, tour, trainer, viewport,
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, notices, quality, reclick, rejecting,
+    review, status, theme::Themed as _, timeline, tour, trainer, typing, viewport,
 };
 use crate::app::Action;
 use crate::app::session::SidePanel;
@@ -34,12 +34,12 @@ fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>;
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if panel.app.session.quality.open {
         // The picture is hidden, so its keys do nothing.
-        keys::read(panel, ctx);
+        keys::read(panel.app, panel.actions, ctx);
         return;
     }
-    naming::read(panel, ctx);
+    typing::read(panel.app, panel.actions, ctx);
     rejecting::read(panel, ctx);
-    keys::read(panel, ctx);
+    keys::read(panel.app, panel.actions, ctx);
     viewport::read(panel, ctx);
 }
 

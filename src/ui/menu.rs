@@ -279,7 +279,8 @@ fn place(app: &App, ui: &mut Ui) {
         ui.label(RichText::new(format!("frame {number}")).color(ui.palette().text))
             .on_hover_text(format!("Frame {number} of {count}, counted from 0: {}", frame.name()));
         if let Some(clip) = &frame.clip {
-            ui.label(RichText::new(format!("shot {clip}")).color(ui.palette().weak)).on_hover_text("The frame's shot");
+            ui.add(egui::Label::new(RichText::new(format!("shot {clip}")).color(ui.palette().weak)).truncate())
+                .on_hover_text(format!("The frame's shot, {clip}"));
         }
         ui.add(egui::Label::new(RichText::new(file_name(&frame.name())).color(ui.palette().weak)).truncate())
             .on_hover_text(frame.name());
@@ -333,8 +334,9 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Background work.
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.opening {
-        ui.label(RichText::new(opening).color(ui.palette().accent)).on_hover_text("The window stays usable meanwhile.");
         ui.add(egui::Spinner::new().size(12.0));
+        ui.add(egui::Label::new(RichText::new(opening).color(ui.palette().accent)).truncate())
+            .on_hover_text(format!("{opening} The window stays usable meanwhile."));
         let key = panel.app.settings.keys.shown(Command::Cancel);
         let palette = ui.palette();
         let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", palette.weak);

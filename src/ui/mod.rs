@@ -40,6 +40,7 @@ mod theme;
 mod timeline;
 mod tour;
 mod trainer;
+mod typing;
 mod viewport;
 mod window;
 

@@ -2,15 +2,11 @@
 
 use super::placement::Placement;
 use super::{Panel, theme::Themed as _};
+use crate::app::Action;
 use crate::app::naming::NameCandidate;
 use crate::app::session::{Mode, Naming, OFFERED};
-use crate::app::{Action, App, Command};
-use egui::{
-    Align2, Area, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
-};
+use egui::{Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2};
 
-/// For this long letters refine a name that was taken by itself, s.
-const REFINED_S: f64 = 2.0;
 /// The least width of the list, so that its hint fits, points.
 const LEAST_WIDTH: f32 = 300.0;
 /// Where the labels begin, points from a row's left end.
@@ -23,112 +19,6 @@ const ROW: f32 = 24.0;
 const GAP: f32 = 32.0;
 /// Around the list, points.
 const MARGIN: f32 = 6.0;
-
-/// Reads the keys while names are offered; nothing else gets them then.
-pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
-    let Mode::Naming(naming) = &panel.app.session.mode else {
-        refine(panel, ctx);
-        return;
-    };
-    if keys_are_taken(panel, ctx) {
-        return;
-    }
-    let mut typed = naming.typed.clone();
-    let offered = naming.offered().len();
-    let actions = &mut *panel.actions;
-    ctx.input_mut(|input| {
-        input.events.retain(|event| {
-            let action = match event {
-                Event::Key { key, pressed: true, modifiers, .. } if !modifiers.command && !modifiers.alt => {
-                    on_key(*key, naming, offered, &mut typed)
-                }
-                Event::Text(text) => on_text(text, naming, offered, &mut typed),
-                _ => None,
-            };
-            let for_others = action.is_none();
-            actions.extend(action);
-            for_others
-        });
-    });
-    // The keys of the list must not move the keyboard focus as well.
-    ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-}
-
-/// Reads the keys for a moment after a point has named itself: letters refine that name from the first one on, and Enter only
-/// confirms it. What a hand that types a code means by them is never a command.
-fn refine(panel: &mut Panel<'_>, ctx: &egui::Context) {
-    if !is_fresh(panel.app, ctx) || keys_are_taken(panel, ctx) {
-        return;
-    }
-    let actions = &mut *panel.actions;
-    ctx.input_mut(|input| {
-        input.events.retain(|event| match event {
-            Event::Key { key: Key::Enter, pressed: true, modifiers, .. } if modifiers.is_none() => {
-                actions.push(Action::ConfirmName);
-                false
-            }
-            Event::Key { key, pressed: true, modifiers, .. } => {
-                let is_letter = (Key::A..=Key::Z).contains(key);
-                !is_letter || modifiers.command || modifiers.alt
-            }
-            Event::Text(text) if text.chars().all(char::is_alphabetic) => {
-                actions.push(Action::RefineName(text.clone()));
-                false
-            }
-            _ => true,
-        });
-    });
-}
-
-/// Whether a text field, a dialog or a menu has the keys.
-fn keys_are_taken(panel: &Panel<'_>, ctx: &egui::Context) -> bool {
-    ctx.text_edit_focused() || panel.app.session.dialog.is_some() || egui::Popup::is_any_open(ctx)
-}
-
-/// Whether the point that was placed last has named itself within the last [`REFINED_S`] seconds.
-pub fn is_fresh(app: &App, ctx: &egui::Context) -> bool {
-    let named = app.session.named_unasked.filter(|_| app.session.mode == Mode::Idle);
-    let now = ctx.input(|input| input.time);
-    let since = ctx.data_mut(|data| {
-        let seen = data.get_temp_mut_or_insert_with(Id::unique("named by itself"), || (named, now));
-        if seen.0 != named {
-            *seen = (named, now);
-        }
-        seen.1
-    });
-    let left = REFINED_S - (now - since);
-    if named.is_some() && left > 0.0 {
-        ctx.request_repaint_after_secs(left as f32);
-    }
-    named.is_some() && left > 0.0
-}
-
-fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
-    match key {
-        Key::Enter => Some(Action::TakeName(naming.highlighted)),
-        Key::ArrowDown => Some(Action::HighlightName((naming.highlighted + 1) % offered.max(1))),
-        Key::ArrowUp => Some(Action::HighlightName((naming.highlighted + offered.max(1) - 1) % offered.max(1))),
-        Key::Tab => Some(Action::OfferLines(!naming.lines)),
-        Key::Escape => Some(Action::Command(Command::Cancel)),
-        Key::Backspace => {
-            typed.pop();
-            Some(Action::TypeName(typed.clone()))
-        }
-        _ => None,
-    }
-}
-
-/// A digit takes a row, a capital L changes to lines and back, everything else filters.
-fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
-    if let Some(number) = text.parse::<usize>().ok().filter(|number| (1..=OFFERED).contains(number)) {
-        return (number <= offered).then(|| Action::TakeName(number - 1));
-    }
-    if text == "L" {
-        return Some(Action::OfferLines(!naming.lines));
-    }
-    typed.extend(text.chars().filter(|letter| !letter.is_control()));
-    Some(Action::TypeName(typed.clone()))
-}
 
 /// Shows the list beside its point.
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {

@@ -7,8 +7,9 @@ use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::document_from_bytes;
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
+use touchline::markings::LineVerdict;
 use touchline::media::load_image;
-use touchline::paint::{GroundPicture, LineVerdict, PointSnapOptions, SnapOptions, check_lines, snap, snap_point};
+use touchline::paint::{GroundPicture, PointSnapOptions, SnapOptions, check_lines, snap, snap_point};
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back;

@@ -8,8 +8,9 @@ use std::fs;
 use std::path::Path;
 use touchline::camera::PtzCamera;
 use touchline::document::{Document, document_from_bytes};
+use touchline::markings::LineVerdict;
 use touchline::media::FrameReader;
-use touchline::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
+use touchline::paint::{GroundPicture, SnapOptions, check_lines, snap};
 use touchline::proposals::read_picture;
 
 pub const TESTS: &[Test] = tests![

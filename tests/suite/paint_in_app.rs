@@ -10,8 +10,8 @@ use touchline::document::{
     Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes, document_to_string,
 };
 use touchline::geometry::{Angle, Vec2};
+use touchline::markings::LineVerdict;
 use touchline::markings::project_landmarks;
-use touchline::paint::LineVerdict;
 use touchline::solve::Verdict;
 
 /// Two drawn frames: the camera of the first is 10 px off, that of the second looks elsewhere.

@@ -7,7 +7,8 @@ use crate::calibrate::{check_frame, record_line_check};
 use crate::camera::PtzCamera;
 use crate::document::{Document, Frame, FrameId, FrameStatus, PaintEvidence};
 use crate::field::FieldModel;
-use crate::paint::{LineCheck, LineVerdict};
+use crate::markings::LineVerdict;
+use crate::paint::LineCheck;
 use crate::proposals::read_picture;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -99,6 +100,12 @@ impl App {
         self.operations.line_checks.of(open, open.frame(frame)?)
     }
 
+    /// Whether the paint is known to lie elsewhere than a frame's camera has its lines.
+    #[must_use]
+    pub fn is_contradicted(&self, frame: usize) -> bool {
+        self.paint_says(frame).is_some_and(|says| says.verdict == LineVerdict::Contradicts)
+    }
+
     /// Has cameras judged by the paint that nobody has judged yet, between edits. Batches do not replace each other: the next
     /// one begins when the last has come back.
     pub(in crate::app) fn check_lines(&mut self) {
@@ -145,9 +152,8 @@ impl PaintSays {
     }
 
     fn recorded(evidence: &PaintEvidence) -> Self {
-        let open = evidence.found + evidence.bare;
-        let verdict = LineVerdict::of(evidence.score, open);
-        Self { verdict, found: evidence.found, open, offset_px: evidence.offset_px }
+        let open = evidence.open();
+        Self { verdict: evidence.verdict(), found: evidence.found, open, offset_px: evidence.offset_px }
     }
 
     /// In three words.
@@ -280,6 +286,7 @@ mod tests {
             bias_px: 0.0,
             halves_px: 0.5,
             unexplained: None,
+            emptiest: None,
             agreement: score,
         };
         CheckedLines { frame: FrameId::from(frame.to_string().as_str()), camera, check: Some(check) }

@@ -18,7 +18,7 @@ pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, Drawn, drawn};
 
 use super::{OpenProject, session::Session};
-use crate::document::CameraId;
+use crate::document::{CameraId, Document, Frame, FrameStatus};
 
 /// What the quality page shows of one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,8 @@ pub struct Quality {
     pub errors: ClickErrors,
     /// The same by landmark and line.
     pub targets: Vec<TargetErrors>,
+    /// Accepted frames whose paint contradicts their cameras, by their places in the document.
+    pub off_paint: Vec<usize>,
     /// Where references and suggestions look; none while the camera's base is not known.
     pub seen: Option<Seen>,
     derived_from: Option<(u64, TimeAxis)>,
@@ -59,9 +61,10 @@ impl Quality {
         let fields = open.fields();
         let disagreements = open.derived.disagreements(&open.document);
         let document = &*open.document;
+        let off_paint = off_paint(document, id);
         let course_of = || Course::of(document, disagreements, id, axis);
         // Without a valid field nothing can be off.
-        let Ok(fields) = fields else { return Self { course: course_of(), camera, ..Self::default() } };
+        let Ok(fields) = fields else { return Self { course: course_of(), camera, off_paint, ..Self::default() } };
         let errors_of = || {
             let errors = ClickErrors::of(document, &fields, id);
             let targets = by_target(&errors);
@@ -71,8 +74,16 @@ impl Quality {
         let field = place.map(|place| fields.of_cameras(document).swap_remove(place));
         let seen_of = || Seen::of(document, &*field?, id);
         let (course, ((errors, targets), seen)) = rayon::join(course_of, || rayon::join(errors_of, seen_of));
-        Self { course, errors, targets, seen, camera, derived_from: None }
+        Self { course, errors, targets, off_paint, seen, camera, derived_from: None }
     }
+}
+
+/// The accepted frames of a camera that their paint contradicts.
+fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
+    let is_off = |frame: &Frame| {
+        frame.status == FrameStatus::Reference && frame.camera == *camera && frame.contradicting_paint().is_some()
+    };
+    document.frames.iter().enumerate().filter(|(_, frame)| is_off(frame)).map(|(index, _)| index).collect()
 }
 
 /// The camera that was chosen, while the document has it; else the shown frame's, else the first.

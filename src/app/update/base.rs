@@ -1,7 +1,6 @@
 //! Estimating a camera's base, reviewing the result, applying it.
 
 use super::App;
-use super::cameras::counted;
 use crate::app::Command;
 use crate::app::base::{BaseWork, EstimateFailure, EstimateProgress, Estimating};
 use crate::app::effect::Effect;
@@ -9,6 +8,7 @@ use crate::app::session::{Level, SidePanel};
 use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, LANDMARKS_ALONE, describe_size, next_for_base};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
+use crate::geometry::counted;
 use crate::solve::Name;
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ impl App {
             camera,
         });
         let paint = if with_paint { ", painted lines" } else { "" };
-        let from = format!("{} frames, {} clicks{paint}", ready.frames, ready.clicks);
+        let from = format!("{}, {}{paint}", counted(ready.frames, "frame"), counted(ready.clicks, "click"));
         self.session.base = BaseWork::Estimating(Estimating { from, progress: None });
         self.session.panel = SidePanel::Camera;
     }
@@ -158,7 +158,7 @@ fn describe(found: &EstimatedBase) -> String {
     let paint = found.on_paint.as_ref().map_or_else(String::new, |on_paint| on_paint.seen.describe());
     format!(
         "Base estimated from {}: median error {:.1} px{before}.{paint}{sizes}{one_view}",
-        counted(frames),
+        counted(frames, "frame"),
         estimate.median_px
     )
 }

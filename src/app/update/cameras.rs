@@ -7,6 +7,7 @@ use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
 use crate::calibrate::{AssignedFrames, BulkChange, NewCamera};
 use crate::document::Step;
+use crate::geometry::counted;
 
 impl App {
     pub(super) fn select_frame(&mut self, frame: usize, how: Selecting) {
@@ -38,7 +39,7 @@ impl App {
         let Some(like) = self.camera_id().cloned().filter(|_| !frames.is_empty()) else { return };
         let Some(open) = &self.open else { return };
         let (CameraChoice::Known(name) | CameraChoice::New(name)) = choice;
-        let step = Step::on_document(format!("Assign {} to {name}", counted(frames.len())));
+        let step = Step::on_document(format!("Assign {} to {name}", counted(frames.len(), "frame")));
         let is_new = matches!(choice, CameraChoice::New(_));
         let frames = frames.into_iter().filter_map(|index| Some(open.frame(index)?.id.clone())).collect();
         let new = is_new.then_some(NewCamera { like, base: None });
@@ -51,7 +52,7 @@ impl App {
 
     /// Tells of frames that were assigned to a camera.
     pub(super) fn frames_assigned(&mut self, given: &AssignedFrames) {
-        let (count, name) = (counted(given.frames.len()), &given.camera);
+        let (count, name) = (counted(given.frames.len(), "frame"), &given.camera);
         let has_base = given.new.as_ref().is_some_and(|new| new.base.is_some());
         let mut text = format!("{count} assigned to camera “{name}”.");
         if has_base {
@@ -68,9 +69,4 @@ impl App {
         let given = change.assigned(&open.document);
         self.change_in_bulk(step, BulkChange::Assign(Box::new(given)));
     }
-}
-
-/// "1 frame", "12 frames".
-pub(super) fn counted(frames: usize) -> String {
-    format!("{frames} frame{}", if frames == 1 { "" } else { "s" })
 }

@@ -131,6 +131,8 @@ impl App {
         let step = self.step_at(format!("Nudge {name}"), self.session.frame);
         let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
         if resumed || self.begin_step(step) {
+            // Whoever moves a point is done with its name.
+            self.session.named_unasked = None;
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
             self.clicks_changed();
             self.commit();
@@ -146,7 +148,7 @@ impl App {
         self.session.forget_placed();
         if self.begin(format!("Delete {name}")) {
             if let Some(frame) = self.frame_mut() {
-                frame.clicks.remove(click);
+                frame.remove_click(click);
             }
             self.session.selected = None;
             self.clicks_changed();

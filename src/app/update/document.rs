@@ -27,6 +27,8 @@ impl App {
     }
 
     pub(super) fn begin_opening(&mut self, path: PathBuf) {
+        // What failed before is answered by another try.
+        self.session.notices.retain(|notice| notice.level != Level::Error);
         self.session.opening = Some(format!("Opening {}…", path.display()));
         self.effects.push(Effect::Open(path));
     }

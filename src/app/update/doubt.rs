@@ -1,14 +1,31 @@
-//! Accepting a frame whose verdict is wrong: it is asked once.
+//! Accepting a frame whose camera is probably wrong: it is asked once.
 
 use super::App;
+use crate::app::review::percent;
 use crate::app::session::{Doubted, Level};
 use crate::app::{Command, sentence};
+use crate::document::LIKELY;
 use crate::solve::{IdentityKind, Verdict, Warning, WarningCode};
 
 impl App {
     /// Why the shown frame looks wrong, as one sentence; none if nothing contradicts it.
     #[must_use]
     pub fn doubt(&self) -> Option<String> {
+        self.doubt_of_clicks().or_else(|| self.doubt_of_camera())
+    }
+
+    /// Why the frame's camera is probably wrong although no click contradicts it: the program's own doubt, or the paint.
+    fn doubt_of_camera(&self) -> Option<String> {
+        let unlikely = self.frame()?.suggested_confidence().filter(|confidence| *confidence < LIKELY);
+        if let Some(confidence) = unlikely {
+            return Some(format!("This proposal is right with a probability of only {}.", percent(confidence)));
+        }
+        let contradicted = self.frame()?.ptz.is_some() && self.is_contradicted(self.session.frame);
+        contradicted.then(|| "The paint contradicts this camera: its lines lie elsewhere in the picture.".to_owned())
+    }
+
+    /// What the clicks say against each other.
+    fn doubt_of_clicks(&self) -> Option<String> {
         let judgement = self.current.judgement.as_ref().filter(|judgement| judgement.verdict == Verdict::Wrong)?;
         Some(match self.farthest_click() {
             Some((click, px)) => format!("Point {} is {px:.0} px off.", click + 1),
@@ -26,6 +43,10 @@ impl App {
             let px = residual.distance_px()?;
             Some((residual.click, px, px / residual.sigma_px))
         });
+        // Two points that contradict each other do not tell which of them is wrong.
+        if solved.residuals.len() + solved.checks.len() <= 2 {
+            return None;
+        }
         let held_out = solved.checks.iter().filter_map(|check| Some((check.click, check.error_px?, check.z_score?)));
         let (click, px, sigmas) = used.chain(held_out).max_by(|a, b| a.2.total_cmp(&b.2))?;
         (sigmas > SIGMAS).then_some((click, px))

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::Command;
 use crate::app::current::rank_names;
 use crate::app::naming::unambiguous;
-use crate::app::session::{Level, Mode, OFFERED, PictureView};
+use crate::app::session::{Level, Mode, Naming, OFFERED, PictureView};
 use crate::document::{BetterName, Frame, Target};
 
 impl App {
@@ -15,6 +15,13 @@ impl App {
         label.unwrap_or_else(|| target.as_str()).to_owned()
     }
 
+    /// The names for a click of the shown frame, the likeliest first.
+    fn ranked_names(&mut self, click: usize, lines: bool) -> Option<Naming> {
+        let frame = self.session.frame;
+        let contradicted = self.is_contradicted(frame);
+        rank_names(self.open.as_mut()?, frame, click, lines, contradicted)
+    }
+
     /// Asks for the name of a click, with candidates at the cursor.
     pub(super) fn open_naming(&mut self, click: usize) {
         let lines = self.session.next_on_line
@@ -23,9 +30,7 @@ impl App {
                 .and_then(|frame| frame.clicks.get(click))
                 .and_then(|click| click.target.as_ref()?.line())
                 .is_some();
-        let frame = self.session.frame;
-        let Some(open) = &mut self.open else { return };
-        if let Some(naming) = rank_names(open, frame, click, lines) {
+        if let Some(naming) = self.ranked_names(click, lines) {
             self.session.selected = Some(click);
             self.session.mode = Mode::Naming(naming);
         }
@@ -43,9 +48,7 @@ impl App {
 
     /// Names a click that is being placed while there is just one plausible name; the name follows the pointer.
     pub(super) fn name_if_certain(&mut self, click: usize) {
-        let (frame, lines) = (self.session.frame, self.session.next_on_line);
-        let Some(open) = &mut self.open else { return };
-        let Some(naming) = rank_names(open, frame, click, lines) else { return };
+        let Some(naming) = self.ranked_names(click, self.session.next_on_line) else { return };
         let target = unambiguous(&naming.candidates).map(|candidate| candidate.target.clone());
         if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
             click.target = target;
@@ -89,9 +92,8 @@ impl App {
 
     pub(super) fn offer_lines(&mut self, lines: bool) {
         if let Mode::Naming(naming) = &self.session.mode {
-            let (click, typed, frame) = (naming.click, naming.typed.clone(), self.session.frame);
-            let Some(open) = &mut self.open else { return };
-            if let Some(mut naming) = rank_names(open, frame, click, lines) {
+            let (click, typed) = (naming.click, naming.typed.clone());
+            if let Some(mut naming) = self.ranked_names(click, lines) {
                 naming.typed = typed;
                 self.session.mode = Mode::Naming(naming);
             }

@@ -7,6 +7,7 @@ use crate::app::session::{Dialog, Level};
 use crate::app::transfer::{Found, Look, TransferAction, TransferOrder, TransferTab, TransferWork, UnderWay};
 use crate::document::{Document, Step};
 use crate::exchange::Joined;
+use crate::geometry::counted;
 use std::path::PathBuf;
 
 impl App {
@@ -187,5 +188,10 @@ impl App {
 /// What was taken over, in words.
 fn describe_joined(joined: &Joined) -> String {
     let frames = joined.matched + joined.added;
-    format!("Labels of {frames} frames were imported: {} clicks, {} new cameras.", joined.clicks, joined.cameras)
+    format!(
+        "Labels of {} were imported: {}, {}.",
+        counted(frames, "frame"),
+        counted(joined.clicks, "click"),
+        counted(joined.cameras, "new camera")
+    )
 }

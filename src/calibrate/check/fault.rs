@@ -63,6 +63,16 @@ pub enum Fault {
         /// How far the camera is off that the clicks give, px.
         rms_px: f64,
     },
+    /// An accepted camera whose lines lie elsewhere than the paint of its picture.
+    #[error(
+        "accepted, but the paint contradicts its camera ({found} of {open} open places of its lines show paint); look at it again"
+    )]
+    OffPaint {
+        /// Open places with paint.
+        found: usize,
+        /// Open places of the lines.
+        open: usize,
+    },
     /// A number is NaN or infinite, or a focal length is not positive.
     #[error("{what} is not a finite number; enter it again")]
     NotFinite {
@@ -347,6 +357,7 @@ impl Fault {
             Self::UnnamedClick { .. } => "unnamed_click",
             Self::DuplicateLandmark { .. } => "duplicate_landmark",
             Self::StaleSolution { .. } => "stale_solution",
+            Self::OffPaint { .. } => "off_paint",
             Self::ClickOutside { .. } => "click_outside",
             Self::ClickNoise { .. } => "click_noise",
             Self::UnknownLandmarkAgain { .. } => "unknown_landmark_again",

@@ -161,6 +161,9 @@ fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, p
         FrameStatus::Rejected if frame.reason.is_none() => problem(Fault::NoReason),
         _ => {}
     }
+    if let Some(paint) = frame.contradicting_paint().filter(|_| frame.status == FrameStatus::Reference) {
+        problem(Fault::OffPaint { found: paint.found, open: paint.open() });
+    }
     check_view(document, frame, field, problem);
     check_clicks(frame, field, problem);
     check_repeats(frame, field, problem);

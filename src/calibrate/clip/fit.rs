@@ -12,8 +12,9 @@ use super::paint::{Painted, share_alike};
 use super::pictures::{ClipPictures, go_on};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
+use crate::markings::LineVerdict;
 use crate::media::ReadFrames;
-use crate::paint::{GroundPicture, LineCheck, LineVerdict, check_lines};
+use crate::paint::{GroundPicture, LineCheck, check_lines};
 use crate::track::{AdjustedClip, Anchor, AnchorSource, Carried, PointTracks, adjust_clip};
 use std::collections::{BTreeMap, BTreeSet};
 

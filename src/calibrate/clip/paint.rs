@@ -3,8 +3,9 @@
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
+use crate::markings::LineVerdict;
 use crate::media::Picture;
-use crate::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
+use crate::paint::{GroundPicture, SnapOptions, check_lines, snap};
 use crate::track::{Anchor, AnchorSource};
 
 /// A picture of a clip with what covers it.

@@ -6,7 +6,7 @@ use super::options::{DatasetOptions, Pictures};
 use super::outside::OwnPlaces;
 use super::split::{Split, split};
 use crate::document::{DocumentAt, Frame, FrameId};
-use crate::exchange::choose::is_chosen;
+use crate::exchange::choose::{is_chosen, off_paint_note};
 use crate::exchange::error::ExchangeError;
 use crate::media::{FrameRef, image_size};
 use std::collections::{BTreeMap, BTreeSet};
@@ -265,6 +265,8 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
             notes.push(format!("too few groups to split (--split-by {by}): none is left for {}", empty.join(", ")));
         }
     }
+    let planned = plan.frames.iter().filter_map(|frame| Some(&**at.document.frames.by_id(&frame.id)?));
+    notes.extend(off_paint_note(planned));
     let own_places = OwnPlaces::from_project(at.folder);
     let outside = plan.frames.iter().filter(|frame| frame.takes_picture() && !own_places.hold(frame.source.file()));
     let outside: Vec<String> = outside.map(|frame| frame.source.file().display().to_string()).collect();

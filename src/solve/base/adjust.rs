@@ -2,6 +2,7 @@
 
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
+use super::held::Adjusted;
 use super::parameters::{OF_BASE, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel};
@@ -107,8 +108,16 @@ pub fn adjust_base(
     let shared = starting(field, start, image_width_px, model);
     let found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
     let noise_scale = bundle.noise_scale(&found.state);
-    let covariance = bundle.covariance(&found, noise_scale);
     let BundleState { shared, ptz } = &found.state;
+    let held = Adjusted {
+        state: &found.state,
+        model,
+        field,
+        noise_scale,
+        principal_point_px: options.priors.principal_point_px * per_1920(image_width_px),
+    };
+    let view = MeanView::from_frames(start, ptz);
+    let covariance = held.covariance(bundle, &|model| options.priors.of_model(model, image_width_px, &view));
     let (mut base, added) = shared.base.in_pan_gauge();
     base.sigma = BaseSigma::from_covariance(&covariance, shared.crown.width_m);
     let mut solved = ptz.iter().map(|ptz| Ptz { pan: (ptz.pan + added).wrapped(), ..*ptz });

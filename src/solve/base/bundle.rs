@@ -79,6 +79,14 @@ impl<const SHARED: usize> Bundle<SHARED> {
         minimise(self, start, Stopping { max_iterations, short_step: 0.0, small_gain: SMALL_GAIN })
     }
 
+    /// The normal equations at a state of the frames that its clicks determine.
+    pub fn determined(&self, at: &BundleState) -> BorderedEquations<SHARED, 3> {
+        let mut equations = self.equations(at);
+        // A frame whose own parameters its clicks leave open says nothing about the base.
+        equations.blocks.retain(|block| block.own.try_inverse().is_some());
+        equations
+    }
+
     /// By how much the clicks' variance exceeds what is stated, at least 1: the median of their χ², each over what it should be.
     ///
     /// A residual should be smaller than the noise, since its frame's three numbers and its share of what all frames share were fitted
@@ -109,16 +117,13 @@ impl<const SHARED: usize> Bundle<SHARED> {
 
     /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of landmarks that lie off
     /// their places. Infinite if singular.
-    pub fn covariance(&self, at: &Minimum<Self>, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
-        // A frame whose own parameters its clicks leave open says nothing about the base.
-        let mut determined = at.equations.clone();
-        determined.blocks.retain(|block| block.own.try_inverse().is_some());
-        let Some(inverse) = determined.reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse()) else {
+    pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
+        let Some(inverse) = self.determined(at).reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse()) else {
             return SMatrix::from_diagonal_element(f64::INFINITY);
         };
         let mut scatter = Scatter::default();
-        let BundleState { shared, ptz } = &at.state;
-        for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&at.equations.blocks) {
+        let BundleState { shared, ptz } = at;
+        for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&self.equations(at).blocks) {
             let alone = |click: &BaseClick| {
                 let equations = frame_equations(shared, *ptz, std::slice::from_ref(click), self.loss);
                 (Residual::<2, SHARED, 3>::element(click), click.equations(), equations)

@@ -11,6 +11,7 @@ mod change;
 mod disputes;
 mod estimate;
 mod field_fit;
+mod held;
 mod model;
 mod model_choice;
 mod one_more;

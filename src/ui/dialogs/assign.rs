@@ -4,6 +4,7 @@ use super::{has_just_opened, sheet};
 use crate::app::selection::Scope;
 use crate::app::{Action, CameraChoice};
 use crate::document::CameraId;
+use crate::geometry::counted;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
@@ -29,6 +30,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
         ui.horizontal(|ui| {
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(240.0).hint_text("Name"));
             let field = field.accessible_name("Name of the new camera");
+            if opened {
+                // So that Enter creates it, and a person may type another name.
+                field.request_focus();
+            }
             let taken = panel.app.open().is_some_and(|open| open.document.camera(&name.trim().into()).is_some());
             let possible = count > 0 && !taken && !name.trim().is_empty();
             let create = ui.add_enabled(possible, Button::new("Create and assign"));
@@ -87,7 +92,9 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
             let frames = open.counts().of_camera(&camera.id);
             let known = if camera.base().is_some() { "" } else { ", base not known" };
             let button = Button::new(camera.id.as_str())
-                .right_text(RichText::new(format!("{frames} frames{known}")).small().color(ui.palette().weak))
+                .right_text(
+                    RichText::new(format!("{}{known}", counted(frames, "frame"))).small().color(ui.palette().weak),
+                )
                 .min_size(vec2(ui.available_width(), 24.0));
             let is_own = scope == Scope::Frame && panel.app.camera_id() == Some(&camera.id);
             let fits = size == Some(camera.image_size);

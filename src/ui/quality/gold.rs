@@ -5,6 +5,7 @@ use super::{card, nothing_yet};
 use crate::app::{Action, Command};
 use crate::calibrate::OwnNoise;
 use crate::document::{ClickNoise, Target};
+use crate::geometry::counted;
 use crate::ui::bar::Bar;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Label, RichText, Ui, vec2};
@@ -95,7 +96,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         1 => " One is too far off to be noise and is left out.".to_owned(),
         count => format!(" {count} are too far off to be noise and are left out."),
     };
-    let frames = if own.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", own.frames) };
+    let frames = counted(own.frames, "frame");
     let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
     ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(ui.palette().text)).wrap());
     let used = panel.app.open().and_then(|open| open.document.click_noise_in_use());

@@ -49,6 +49,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Quality").heading().color(ui.palette().strong));
             cameras(panel, ui);
+            off_paint(panel, ui);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let palette = ui.palette();
                 let close = symbol::button(ui, Symbol::Cross, "Close the quality page", palette.weak);
@@ -59,6 +60,21 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
             });
         });
     });
+}
+
+/// Accepted frames that their paint contradicts: how many, and the way to the first.
+fn off_paint(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let off = &panel.app.quality().off_paint;
+    let Some(first) = off.first().copied() else { return };
+    let says = match off.len() {
+        1 => "1 accepted frame is off its painted lines".to_owned(),
+        count => format!("{count} accepted frames are off their painted lines"),
+    };
+    let says = RichText::new(says).color(ui.palette().caution);
+    let button = ui.button(says).on_hover_text("The paint contradicts the camera. Click to look at the first.");
+    if button.clicked() {
+        panel.actions.push(Action::LookAt { frame: first, click: None });
+    }
 }
 
 /// Which camera, where there are several.

@@ -2,7 +2,7 @@
 
 use super::palette::Themed as _;
 use crate::document::FrameStatus;
-use crate::paint::LineVerdict;
+use crate::markings::LineVerdict;
 use egui::{CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
 
 /// The letter of a status.

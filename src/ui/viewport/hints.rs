@@ -7,7 +7,7 @@ use crate::document::FrameStatus;
 use crate::scene::overlay::{CLICK, UNNAMED};
 use crate::ui::labels::{PlateStyle, colour, plate};
 use crate::ui::placement::Placement;
-use crate::ui::{Panel, naming, rejecting, theme};
+use crate::ui::{Panel, rejecting, theme, typing};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 
 /// The plate behind a text.
@@ -99,12 +99,10 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         Mode::Dragging { click, placed: true } => (*click, String::new()),
         Mode::Idle => {
             just_snapped(panel, ui, placement, painter);
-            let Some(click) =
-                session.named_unasked.filter(|_| recently(ui, "named automatically", session.named_unasked))
-            else {
-                return;
-            };
-            let hint = if naming::is_fresh(panel.app, ui.ctx()) {
+            let names = typing::names_placed(ui.ctx());
+            let shown = |_: &usize| recently(ui, "named automatically", session.named_unasked) || names;
+            let Some(click) = session.named_unasked.filter(shown) else { return };
+            let hint = if names {
                 "type to change it, Enter keeps it".to_owned()
             } else {
                 format!("{} changes it", panel.app.settings.keys.shown(Command::RenameClick))

@@ -9,8 +9,8 @@ use touchline::calibrate::{BaseProblem, solve_document};
 use touchline::camera::PtzCamera;
 use touchline::document::{Document, Frame, VideoFrame, document_from_bytes};
 use touchline::features::FeatureOptions;
+use touchline::markings::LineVerdict;
 use touchline::media::{FrameReader, FrameSource};
-use touchline::paint::LineVerdict;
 use touchline::proposals::{
     Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, WorkFolder, learn,
     overlay_error_px, propose, study,

@@ -5,6 +5,7 @@ use super::parts::{cameras_of, left_out, line, notes};
 use crate::app::Action;
 use crate::app::transfer::{Look, TransferAction, describe_bytes};
 use crate::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
+use crate::geometry::counted;
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
@@ -106,7 +107,7 @@ fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
     };
     line(
         ui,
-        format!("{} frames, {pictures}; with card, schema, table, loader and manifest.", plan.frames.len()),
+        format!("{}, {pictures}; with card, schema, table, loader and manifest.", counted(plan.frames.len(), "frame")),
         palette.strong,
     );
     Grid::new("planned").num_columns(2).spacing([24.0, 2.0]).show(ui, |ui| {

@@ -6,6 +6,7 @@ use super::parts::{cameras_of, fact, left_out, line, notes};
 use crate::app::transfer::{Look, TransferAction, in_dialog};
 use crate::app::{Action, sentence};
 use crate::exchange::{About, Format, JoinedPair};
+use crate::geometry::counted;
 use crate::ui::Panel;
 use crate::ui::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
@@ -96,7 +97,7 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
     let Some(found) = &panel.app.session.transfer.found else { return };
     match &found.look {
         Look::Export(Ok(made)) => {
-            let frames = if made.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", made.frames) };
+            let frames = counted(made.frames, "frame");
             let files =
                 if made.files.len() == 1 { "one file".to_owned() } else { format!("{} files", made.files.len()) };
             let proof = if made.format.is_proved() {

@@ -41,7 +41,9 @@ pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
     const SHOWN: usize = 3;
     let palette = ui.palette();
     for (frame, why) in frames.iter().take(SHOWN) {
-        line(ui, in_dialog(&format!("Left out: {frame}: {why}")), palette.caution);
+        // A reason that names the file says where already.
+        let says = if why.contains(frame.as_str()) { why.clone() } else { format!("{frame}: {why}") };
+        line(ui, in_dialog(&format!("Left out: {says}")), palette.caution);
     }
     if frames.len() > SHOWN {
         line(ui, format!("Left out: {} more frames.", frames.len() - SHOWN), palette.caution);

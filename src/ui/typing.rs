@@ -1,0 +1,408 @@
+//! What keys mean to a hand that names the point it has just placed.
+//!
+//! A hand that types a code does not stop because the program has named the point itself, and a letter that comes late is no command
+//! for that. So after a point has named itself letters are its name until the hand does something else: places another point, moves
+//! the pointer away, or confirms. Enter first confirms; only a second one, struck for itself, accepts the frame. Time is counted in what
+//! the window has drawn, so that a slow machine cuts no word in two.
+
+use crate::app::session::{Mode, Naming, OFFERED};
+use crate::app::{Action, App, Command};
+use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Pos2};
+
+/// The pointer has left the point when it is this far from where it placed it, points.
+const LEFT_POINTS: f32 = 30.0;
+/// For this long after a point was placed Enter only confirms its name, s.
+const CONFIRMING_S: f64 = 5.0;
+/// Strokes that follow each other within this time are one word, s.
+const WORD_S: f64 = 0.4;
+/// A frame of the window counts at most this much, s: what came while it was drawn came at once.
+const TICK_S: f64 = 0.1;
+
+/// What the hand did last, kept from frame to frame of the window.
+#[derive(Clone, Copy, Debug, Default)]
+struct Hand {
+    /// Runs while the window draws, s.
+    clock_s: f64,
+    /// The toolkit's time of the frame of the window before, s.
+    seen_s: f64,
+    /// The point that has named itself, when, and where the pointer was.
+    placed: Option<Placed>,
+    /// When a key last belonged to a name.
+    stroke_s: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    click: usize,
+    at_s: f64,
+    pointer: Option<Pos2>,
+    has_left: bool,
+}
+
+impl Hand {
+    /// Brings it up to this frame of the window.
+    fn follow(mut self, app: &App, time_s: f64, pointer: Option<Pos2>) -> Self {
+        self.clock_s += (time_s - self.seen_s).clamp(0.0, TICK_S);
+        self.seen_s = time_s;
+        let named = app.session.named_unasked.filter(|_| app.session.mode == Mode::Idle);
+        let is_known = self.placed.map(|placed| placed.click) == named;
+        if !is_known {
+            let new = |click| Placed { click, at_s: self.clock_s, pointer, has_left: false };
+            self.placed = named.map(new);
+        }
+        if let Some(placed) = &mut self.placed {
+            let away = placed.pointer.zip(pointer).is_some_and(|(from, now)| from.distance(now) > LEFT_POINTS);
+            placed.has_left |= away;
+        }
+        self
+    }
+
+    /// Whether a stroke now is part of the word that was typed before it.
+    fn is_in_word(&self) -> bool {
+        self.stroke_s.is_some_and(|stroke_s| self.clock_s - stroke_s < WORD_S)
+    }
+
+    /// Whether letters are the name of the point that has named itself.
+    fn names(&self) -> bool {
+        self.placed.is_some_and(|placed| !placed.has_left || self.is_in_word())
+    }
+
+    /// Whether Enter only confirms that name.
+    fn confirms(&self) -> bool {
+        self.placed.is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S || self.names())
+    }
+
+    /// Whether time has to go on while nothing else happens.
+    fn waits(&self) -> bool {
+        self.is_in_word() || self.placed.is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S)
+    }
+}
+
+fn memory() -> Id {
+    Id::unique("the hand that types a name")
+}
+
+/// Whether letters are the name of the point that has just named itself.
+pub fn names_placed(ctx: &Context) -> bool {
+    ctx.data(|data| data.get_temp::<Hand>(memory())).is_some_and(|hand| hand.names())
+}
+
+/// Reads the keys that are about names, before anything else gets them.
+pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &Context) {
+    let (time_s, pointer) = ctx.input(|input| (input.time, input.pointer.latest_pos()));
+    let before = ctx.data(|data| data.get_temp::<Hand>(memory())).unwrap_or_default();
+    let mut hand = before.follow(app, time_s, pointer);
+    if !keys_are_taken(app, ctx) {
+        match &app.session.mode {
+            Mode::Naming(naming) => read_list(naming, &mut hand, actions, ctx),
+            _ => read_word(&mut hand, actions, ctx),
+        }
+    }
+    if hand.waits() {
+        ctx.request_repaint_after_secs(TICK_S as f32);
+    }
+    ctx.data_mut(|data| data.insert_temp(memory(), hand));
+}
+
+/// Whether a text field, a dialog or a menu has the keys.
+fn keys_are_taken(app: &App, ctx: &Context) -> bool {
+    ctx.text_edit_focused() || app.session.dialog.is_some() || egui::Popup::is_any_open(ctx)
+}
+
+/// The keys while names are offered.
+fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
+    let mut typed = naming.typed.clone();
+    let offered = naming.offered().len();
+    // A digit's key takes a row; the text that it types as well is nothing more.
+    let mut digit = false;
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let action = match event {
+                Event::Key { key, physical_key, pressed: true, modifiers, .. } if is_typing(*modifiers) => {
+                    let row = row_of(physical_key.unwrap_or(*key));
+                    digit = row.is_some();
+                    match row {
+                        Some(row) => Some(take_row(row, offered)),
+                        None => on_key(*key, naming, offered, &mut typed).map(Some),
+                    }
+                }
+                Event::Text(_) if std::mem::take(&mut digit) => Some(None),
+                Event::Text(text) => Some(on_text(text, naming, offered, &mut typed)),
+                _ => None,
+            };
+            let for_others = action.is_none();
+            if !for_others {
+                hand.stroke_s = Some(hand.clock_s);
+            }
+            actions.extend(action.flatten());
+            for_others
+        });
+    });
+    // The keys of the list must not move the keyboard focus as well.
+    ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+}
+
+/// The keys while no name is asked for: letters refine the name that a point was given unasked, Enter confirms it, and what follows a
+/// name without a pause is a part of it.
+fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
+    let (names, confirms, in_word) = (hand.names(), hand.confirms(), hand.is_in_word());
+    if !(names || confirms || in_word) {
+        return;
+    }
+    ctx.input_mut(|input| {
+        input.events.retain(|event| match event {
+            Event::Key { key: Key::Enter, pressed: true, modifiers, .. } if modifiers.is_none() => {
+                if !(confirms || in_word) {
+                    return true;
+                }
+                actions.extend(confirms.then_some(Action::ConfirmName));
+                hand.stroke_s = Some(hand.clock_s);
+                false
+            }
+            Event::Key { key, pressed: true, modifiers, .. } => {
+                let is_letter = (Key::A..=Key::Z).contains(key) && is_typing(*modifiers);
+                !(is_letter && (names || in_word))
+            }
+            Event::Text(text) if text.chars().all(char::is_alphabetic) && (names || in_word) => {
+                actions.extend(names.then(|| Action::RefineName(text.clone())));
+                hand.stroke_s = Some(hand.clock_s);
+                false
+            }
+            _ => true,
+        });
+    });
+}
+
+fn is_typing(modifiers: Modifiers) -> bool {
+    !modifiers.command && !modifiers.alt
+}
+
+/// The row of the list that a digit's key takes, from 0: by its place on the keyboard, since on a French one digits need Shift.
+fn row_of(key: Key) -> Option<usize> {
+    const DIGITS: [Key; OFFERED] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
+    DIGITS.iter().position(|digit| *digit == key)
+}
+
+fn take_row(row: usize, offered: usize) -> Option<Action> {
+    (row < offered).then_some(Action::TakeName(row))
+}
+
+fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
+    match key {
+        Key::Enter => Some(Action::TakeName(naming.highlighted)),
+        Key::ArrowDown => Some(Action::HighlightName((naming.highlighted + 1) % offered.max(1))),
+        Key::ArrowUp => Some(Action::HighlightName((naming.highlighted + offered.max(1) - 1) % offered.max(1))),
+        Key::Tab => Some(Action::OfferLines(!naming.lines)),
+        Key::Escape => Some(Action::Command(Command::Cancel)),
+        Key::Backspace => {
+            typed.pop();
+            Some(Action::TypeName(typed.clone()))
+        }
+        _ => None,
+    }
+}
+
+/// A digit takes a row, a capital L changes to lines and back, everything else filters.
+fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
+    if let Some(number) = text.parse::<usize>().ok().filter(|number| (1..=OFFERED).contains(number)) {
+        return take_row(number - 1, offered);
+    }
+    if text == "L" {
+        return Some(Action::OfferLines(!naming.lines));
+    }
+    typed.extend(text.chars().filter(|letter| !letter.is_control()));
+    Some(Action::TypeName(typed.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Opened, Settings};
+    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus};
+    use crate::field::builtin;
+    use crate::geometry::{ImagePoint, ImageSize, Vec3};
+    use crate::ui::keys;
+    use egui::{RawInput, pos2};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn pointed() -> PtzCamera {
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        PtzCamera::new(base, Ptz::from_degrees(-14.0, -12.0, 1300.0))
+    }
+
+    fn image_of(landmark: &str) -> ImagePoint {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        pointed().image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap()
+    }
+
+    /// A window without panels: what it reads, it does.
+    struct Hands {
+        app: App,
+        ctx: Context,
+        time_s: f64,
+        pointer: Pos2,
+    }
+
+    impl Hands {
+        /// On three frames, the shown one with two points that give its camera.
+        fn new() -> Self {
+            let mut document = Document::new(FieldSpec::new("soccer"));
+            let mut camera = Camera::new("main".into(), SIZE);
+            camera.set_base(pointed().base());
+            document.cameras.push(camera.into());
+            for name in ["0.jpg", "1.jpg", "2.jpg"] {
+                document.frames.push(Frame::from_image(name, "main".into(), SIZE).into());
+            }
+            let named = ["penalty_area_far_left_front", "centre_circle_halfway_near"];
+            document.frames[0].clicks = named.map(|id| Click::landmark(id.into(), image_of(id))).into_iter().collect();
+            document.frames[0].status = FrameStatus::Draft;
+            let mut app = App::new(Settings::default());
+            app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+            app.update(Action::SolveAgain);
+            Self { app, ctx: Context::default(), time_s: 1.0, pointer: pos2(400.0, 300.0) }
+        }
+
+        /// One frame of the window, so long after the one before.
+        fn frame(&mut self, after_s: f64, mut events: Vec<Event>) {
+            self.time_s += after_s;
+            events.insert(0, Event::PointerMoved(self.pointer));
+            self.ctx.begin_pass(RawInput { time: Some(self.time_s), events, focused: true, ..RawInput::default() });
+            let mut actions = Vec::new();
+            read(&self.app, &mut actions, &self.ctx);
+            keys::read(&self.app, &mut actions, &self.ctx);
+            let _ = self.ctx.end_pass();
+            for action in actions {
+                self.app.update(action);
+            }
+        }
+
+        fn wait(&mut self, seconds: f64) {
+            for _ in 0..(seconds / 0.05).round() as usize {
+                self.frame(0.05, Vec::new());
+            }
+        }
+
+        fn place(&mut self, landmark: &str) {
+            self.app.update(Action::Press { at: image_of(landmark), on: None });
+            self.app.update(Action::Release);
+            self.frame(0.02, Vec::new());
+        }
+
+        fn stroke(&mut self, after_s: f64, key: Key, text: &str) {
+            let press = |pressed| Event::Key {
+                key,
+                physical_key: Some(key),
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            };
+            let typed = (!text.is_empty()).then(|| Event::Text(text.to_owned()));
+            self.frame(after_s, [press(true)].into_iter().chain(typed).collect());
+            self.frame(0.01, vec![press(false)]);
+        }
+
+        fn type_letter(&mut self, after_s: f64, letter: char) {
+            let key = Key::from_name(&letter.to_uppercase().to_string()).unwrap();
+            self.stroke(after_s, key, &letter.to_string());
+        }
+
+        fn status(&self) -> FrameStatus {
+            self.app.open().unwrap().frame(0).unwrap().status
+        }
+    }
+
+    #[test]
+    fn letters_belong_to_the_point_until_the_pointer_leaves_it() {
+        let mut hands = Hands::new();
+        hands.place("penalty_mark_left");
+        assert!(hands.app.session.named_unasked.is_some(), "{:?}", hands.app.session.mode);
+        hands.wait(20.0);
+        hands.type_letter(0.1, 'k');
+        assert!(matches!(hands.app.session.mode, Mode::Naming(_)), "however late it comes");
+        let mut hands = Hands::new();
+        hands.place("penalty_mark_left");
+        hands.pointer.x += 40.0;
+        hands.type_letter(0.5, 'k');
+        assert!(hands.app.frame().unwrap().clicks[2].check, "K makes it a check point");
+    }
+
+    #[test]
+    fn the_first_enter_confirms_and_only_another_one_accepts() {
+        let mut hands = Hands::new();
+        hands.place("penalty_mark_left");
+        hands.pointer.x += 200.0;
+        hands.stroke(0.1, Key::Enter, "");
+        // A key that bounces.
+        hands.stroke(0.1, Key::Enter, "");
+        assert_eq!((hands.status(), hands.app.session.named_unasked), (FrameStatus::Draft, None));
+        hands.wait(0.5);
+        hands.stroke(0.1, Key::Enter, "");
+        assert_eq!(hands.status(), FrameStatus::Reference);
+    }
+
+    #[test]
+    fn a_slow_window_cuts_no_word_in_two() {
+        let mut hands = Hands::new();
+        hands.place("penalty_mark_left");
+        hands.type_letter(0.1, 'p');
+        hands.stroke(0.1, Key::Enter, "");
+        // Each frame of the window takes two seconds to draw.
+        hands.type_letter(2.0, 'x');
+        hands.type_letter(2.0, 'n');
+        assert_eq!(
+            (hands.app.session.frame, hands.status(), &hands.app.session.mode),
+            (0, FrameStatus::Draft, &Mode::Idle)
+        );
+    }
+
+    #[test]
+    fn a_digit_chooses_by_its_place_on_the_keyboard() {
+        let mut hands = Hands::new();
+        hands.place("penalty_mark_left");
+        hands.app.update(Action::RefineName("g".to_owned()));
+        let Mode::Naming(naming) = &hands.app.session.mode else { panic!("{:?}", hands.app.session.mode) };
+        let second = naming.offered()[1].target.clone();
+        // On a French keyboard the key of the 2 is an é.
+        let press = |pressed| Event::Key {
+            key: Key::Num2,
+            physical_key: Some(Key::Num2),
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        hands.frame(0.1, vec![press(true), Event::Text("é".to_owned())]);
+        assert_eq!(hands.app.frame().unwrap().clicks[2].target, Some(second));
+    }
+
+    /// More with `TOUCHLINE_SEQUENCES=10000`.
+    #[test]
+    fn no_burst_of_letters_after_a_click_accepts_or_touches_another_frame() {
+        let bursts = std::env::var("TOUCHLINE_SEQUENCES").ok().and_then(|count| count.parse().ok()).unwrap_or(150);
+        let marks = ["penalty_mark_left", "goal_area_far_left_front", "penalty_area_near_left_front"];
+        for seed in 0..bursts {
+            let mut random = Pcg64Mcg::seed_from_u64(seed);
+            let mut hands = Hands::new();
+            let before = hands.app.open().unwrap().document.frames.clone();
+            hands.place(marks[random.random_range(0..marks.len())]);
+            hands.wait(random.random_range(0.0..4.0));
+            let mut typed = String::new();
+            for _ in 0..random.random_range(1..9) {
+                let letter = char::from(b'a' + random.random_range(0..26_u8));
+                hands.type_letter(random.random_range(0.02..0.35), letter);
+                typed.push(letter);
+                if random.random_range(0..8) == 0 {
+                    hands.stroke(random.random_range(0.02..0.35), Key::Enter, "");
+                    typed.push('\n');
+                }
+            }
+            hands.stroke(random.random_range(0.02..0.35), Key::Enter, "");
+            let frames = &hands.app.open().unwrap().document.frames;
+            assert_eq!((hands.app.session.frame, hands.status()), (0, FrameStatus::Draft), "{seed}: {typed:?}");
+            assert!((1..3).all(|other| frames.get(other) == before.get(other)), "{seed}: {typed:?}");
+        }
+    }
+}
