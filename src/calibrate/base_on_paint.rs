@@ -140,8 +140,7 @@ impl BaseOnPaint {
             let frame = &document.frames[index];
             let by_clicks = is_by_clicks(frame);
             if let Some(ptz) = fits.get(&index) {
-                let lens = Some(estimate.base.distortion.radial_at(ptz.focal_px)).filter(|lens| !lens.is_none());
-                carried_over.frames[index].ptz = Some(FramePtz::new(*ptz, lens));
+                carried_over.frames[index].point(*ptz, estimate.base.distortion.radial_at(ptz.focal_px));
             } else if !by_clicks {
                 carried_over.refit(index, before);
                 forget_certainty(&mut carried_over.frames[index]);

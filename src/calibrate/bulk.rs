@@ -4,7 +4,7 @@
 //! made in a copy of the document; nothing has changed before it is done. Frames that were edited since the copy was taken stay as
 //! they are then, but for what the change means for each of them.
 
-use super::follow_base::moved_frames;
+use super::follow_base::follow_bases;
 use super::solve_frames::{WatchFrames, is_by_clicks, solve_by_clicks};
 use super::{AssignError, EstimatedBase, FoundCamera};
 use crate::camera::CameraBase;
@@ -264,17 +264,7 @@ impl BulkChange {
                 document.assign_frames(places, &given.camera, &fields, watch)?;
             }
         }
-        let moved = moved_frames(before, document);
-        let mut withdrawn = 0;
-        for index in moved.into_iter().filter(|index| places.binary_search(index).is_ok()) {
-            if document.frames[index].is_suggestion()
-                && let ControlFlow::Break(stopped) = watch()
-            {
-                return Err(stopped);
-            }
-            withdrawn += usize::from(document.follow_base(index, before));
-        }
-        Ok(withdrawn)
+        follow_bases(document, before, places, watch)
     }
 }
 

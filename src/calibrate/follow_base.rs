@@ -3,9 +3,10 @@
 use super::paint::LINE_CHECK;
 use crate::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionSource};
 use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 
 /// The frames, ascending, whose camera has another base than in `before`, or that another camera has now.
-pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
+fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
     let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
@@ -24,11 +25,28 @@ pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     frames
 }
 
-/// Lets all frames whose cameras have moved since `before` follow them; how many proposals were withdrawn.
-#[cfg(any(feature = "cli", test))]
-pub(crate) fn follow_bases(document: &mut Document, before: &Document) -> usize {
+/// Lets the frames of some places (ascending) whose cameras have moved since `before` follow them; how many proposals were withdrawn.
+/// `watch` is asked before each proposal that is looked at.
+///
+/// # Errors
+/// What `watch` broke off with.
+pub(crate) fn follow_bases<B>(
+    document: &mut Document,
+    before: &Document,
+    places: &[usize],
+    watch: &dyn Fn() -> ControlFlow<B>,
+) -> Result<usize, B> {
     let moved = moved_frames(before, document);
-    moved.into_iter().filter(|index| document.follow_base(*index, before)).count()
+    let mut withdrawn = 0;
+    for index in moved.into_iter().filter(|index| places.binary_search(index).is_ok()) {
+        if document.frames[index].is_suggestion()
+            && let ControlFlow::Break(stopped) = watch()
+        {
+            return Err(stopped);
+        }
+        withdrawn += usize::from(document.follow_base(index, before));
+    }
+    Ok(withdrawn)
 }
 
 impl Document {
@@ -91,6 +109,7 @@ mod tests {
     use crate::camera::{BaseAngles, CameraBase, Ptz};
     use crate::document::{FieldSpec, FramePtz, PaintEvidence, Solution};
     use crate::geometry::{ImageSize, Vec3};
+    use std::convert::Infallible;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -115,6 +134,12 @@ mod tests {
         (document, after)
     }
 
+    fn follow_all(document: &mut Document, before: &Document) -> usize {
+        let all: Vec<usize> = (0..document.frames.len()).collect();
+        let Ok(withdrawn) = follow_bases(document, before, &all, &|| ControlFlow::<Infallible>::Continue(()));
+        withdrawn
+    }
+
     #[test]
     fn cameras_from_pictures_keep_their_lines_and_lose_their_certainty() {
         for (source, status) in [
@@ -124,7 +149,7 @@ mod tests {
             (SolutionSource::Forest, FrameStatus::Reference),
         ] {
             let (before, mut after) = raised(Some(source), status);
-            assert_eq!(follow_bases(&mut after, &before), 0, "{source:?}");
+            assert_eq!(follow_all(&mut after, &before), 0, "{source:?}");
             let ground = Vec3::new(5.0, 3.0, 0.0);
             let at =
                 |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
@@ -140,11 +165,11 @@ mod tests {
     fn what_proposes_again_is_withdrawn_and_typed_numbers_stay() {
         for source in [SolutionSource::Forest, SolutionSource::Tracking] {
             let (before, mut after) = raised(Some(source), FrameStatus::Suggested);
-            assert_eq!(follow_bases(&mut after, &before), 1, "{source:?}");
+            assert_eq!(follow_all(&mut after, &before), 1, "{source:?}");
             assert!(after.frames[0].ptz.is_none());
         }
         let (before, mut after) = raised(None, FrameStatus::Draft);
-        follow_bases(&mut after, &before);
+        follow_all(&mut after, &before);
         assert_eq!(after.frames, before.frames);
     }
 
@@ -153,7 +178,7 @@ mod tests {
         let (before, mut after) = raised(Some(SolutionSource::Markings), FrameStatus::Suggested);
         after.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.2, -15.0, 2350.0), None));
         let found = after.frames.clone();
-        follow_bases(&mut after, &before);
+        follow_all(&mut after, &before);
         assert_eq!(after.frames, found);
     }
 }

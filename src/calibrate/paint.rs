@@ -1,10 +1,8 @@
 //! The painted lines of a frame's picture: its camera pulled onto them, or judged by them.
 
 use super::observations;
-use crate::camera::{CameraBase, Ptz, PtzCamera, Radial};
-use crate::document::{
-    Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target,
-};
+use crate::camera::{CameraBase, PtzCamera};
+use crate::document::{Document, Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target};
 use crate::field::FieldModel;
 use crate::markings::LineVerdict;
 use crate::media::Picture;
@@ -196,7 +194,7 @@ impl From<&LineCheck> for PaintEvidence {
 /// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status stays.
 pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     let camera = PtzCamera::new(*base, snapped.ptz);
-    record_ptz(frame, snapped.ptz, camera.lens());
+    frame.point(snapped.ptz, camera.lens());
     let mut solution = frame.solution.take().unwrap_or_default();
     drop_paint_warnings(&mut solution);
     frame.solution = Some(Solution {
@@ -210,14 +208,6 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
         line_check: Some(PaintEvidence::from(&snapped.check)),
         ..solution
     });
-}
-
-fn record_ptz(frame: &mut Frame, ptz: Ptz, lens: Radial) {
-    let before = frame.ptz.take();
-    let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
-    let lens = (!lens.is_none() || recorded).then_some(lens);
-    let extra = before.map(|before| before.extra).unwrap_or_default();
-    frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
 }
 
 /// Writes into a frame why its camera was not pulled onto the paint; the camera stays.

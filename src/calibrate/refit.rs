@@ -2,7 +2,7 @@
 //! stay where they were as well as the new base allows.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{Camera, Document, Frame, FramePtz, SolutionWarning};
+use crate::document::{Camera, Document, Frame, SolutionWarning};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::solve::{ClickResidual, Observation, SolveContext, solve_frame};
 
@@ -26,9 +26,7 @@ impl Document {
         let Some(base) = self.camera_of(frame).and_then(Camera::base) else { return };
         let Some((ptz, off_px)) = refitted(&known, &base, frame.image_size) else { return };
         let Some(frame) = self.frames.get_mut(index) else { return };
-        let lens = Some(base.distortion.radial_at(ptz.focal_px)).filter(|lens| !lens.is_none());
-        let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-        frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
+        frame.point(ptz, base.distortion.radial_at(ptz.focal_px));
         tell(frame, off_px);
     }
 }
@@ -80,7 +78,7 @@ fn grid(image_size: ImageSize) -> impl Iterator<Item = ImagePoint> {
 mod tests {
     use super::*;
     use crate::camera::BaseAngles;
-    use crate::document::{Camera, FieldSpec, Solution};
+    use crate::document::{Camera, FieldSpec, FramePtz, Solution};
     use crate::geometry::Vec3;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);

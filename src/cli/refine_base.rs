@@ -14,6 +14,7 @@ use crate::proposals::read_picture;
 use crate::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use clap::ValueEnum;
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -151,7 +152,8 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             pulled.solved
         ));
     }
-    let withdrawn = follow_bases(&mut document, &before);
+    let all: Vec<usize> = (0..document.frames.len()).collect();
+    let Ok(withdrawn) = follow_bases(&mut document, &before, &all, &|| ControlFlow::<Infallible>::Continue(()));
     if withdrawn > 0 {
         messages.note(&format!("{withdrawn} proposals for the base before are withdrawn: relocalize or track again"));
     }

@@ -1,6 +1,7 @@
 //! A frame's camera: what a solve found, and what the program proposed before a person corrected it.
 
 use super::{BetterName, Click, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target};
+use crate::camera::{Ptz, Radial};
 use crate::solve::{FrameSolution, judge};
 
 /// This many equations determine a camera without a proposal.
@@ -20,16 +21,22 @@ impl Frame {
         used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }
 
+    /// Points its camera, with the lens that is used at this focal length. What the document holds beside these numbers stays.
+    pub fn point(&mut self, ptz: Ptz, lens: Radial) {
+        let before = self.ptz.take();
+        let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
+        let lens = (!lens.is_none() || recorded).then_some(lens);
+        let extra = before.map(|before| before.extra).unwrap_or_default();
+        self.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
+    }
+
     /// Takes over what a solve found.
     pub fn record(&mut self, solved: &FrameSolution) {
-        let recorded = self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some());
-        let lens = (!solved.lens.is_none() || recorded).then_some(solved.lens);
         let proposed = self.proposed();
         let by_clicks = self.clicks_decide();
         let source =
             proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
-        let ptz_extra = self.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-        self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, lens) });
+        self.point(solved.ptz, solved.lens);
         let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
         self.solution = Some(Solution {
             covariance: Some(solved.covariance),

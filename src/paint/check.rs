@@ -48,7 +48,22 @@ pub struct LineCheck {
     pub score: f64,
 }
 
+/// A line that is open over some length and has less paint than this lies beside its paint,
+const EMPTY_LINE: f64 = 0.3;
+/// where more than this share of the paint lies on no line.
+const ALONE: f64 = 0.25;
+
 impl LineCheck {
+    /// Whether one part of the field lies on its paint and another beside its own, as where the field is longer or shorter than assumed.
+    ///
+    /// Either alone is seen in right pictures: of 568 of three broadcasts 71 had a line of which less than a third was seen, with 0.17
+    /// of their paint on no line at most; in none both. In all 34 of another broadcast whose centre circle lay 40 px or more off at
+    /// lengths of 101 and of 105 m both are seen.
+    #[must_use]
+    pub fn is_of_other_field(&self) -> bool {
+        self.emptiest.is_some_and(|share| share < EMPTY_LINE) && self.unexplained.is_some_and(|share| share > ALONE)
+    }
+
     /// What the paint says.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
@@ -171,7 +186,10 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paint::drawn::{PICTURE, SIZE, camera, soccer, truth};
+    use crate::camera::CameraBase;
+    use crate::field::builtin;
+    use crate::geometry::Vec3;
+    use crate::paint::drawn::{PICTURE, SIZE, camera, drawn, soccer, truth};
 
     #[test]
     fn the_right_camera_is_supported_and_wrong_ones_are_contradicted() {
@@ -186,6 +204,22 @@ mod tests {
             assert_eq!(wrong.verdict(), LineVerdict::Contradicts, "{wrong:?}");
             assert!(wrong.unexplained.is_some_and(|share| share > 0.2), "{wrong:?}");
         }
+    }
+
+    #[test]
+    fn a_field_of_another_length_lies_on_its_paint_in_part() {
+        // From the centre circle to the penalty area.
+        let pointed = camera(20.0, -13.0, 1500.0);
+        let picture = drawn(&soccer(), &pointed, SIZE);
+        let ground = GroundPicture::new(&picture, &[]);
+        assert!(!check_lines(&ground, &soccer(), &pointed).is_of_other_field());
+        // Eight metres longer, and the camera as far from the right goal line as before.
+        let length_m = soccer().length_m + 8.0;
+        let longer = builtin("soccer").unwrap().model(&[("length_m".to_owned(), length_m)].into(), 0.1).unwrap();
+        let base = *pointed.base();
+        let moved = CameraBase { position_m: base.position_m + Vec3::new(4.0, 0.0, 0.0), ..base };
+        let check = check_lines(&ground, &longer, &PtzCamera::new(moved, pointed.ptz()));
+        assert!(check.is_of_other_field(), "{check:?}");
     }
 
     #[test]

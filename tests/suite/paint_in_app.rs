@@ -5,13 +5,14 @@ use crate::program::touchline;
 use touchline::app::guidance::next_step;
 use touchline::app::session::Level;
 use touchline::app::{Action, App, Command};
+use touchline::calibrate::check_values;
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
     Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes, document_to_string,
 };
+use touchline::exchange::{ExportOptions, Format, export};
 use touchline::geometry::{Angle, Vec2};
-use touchline::markings::LineVerdict;
-use touchline::markings::project_landmarks;
+use touchline::markings::{LineVerdict, project_landmarks};
 use touchline::solve::Verdict;
 
 /// Two drawn frames: the camera of the first is 10 px off, that of the second looks elsewhere.
@@ -146,10 +147,57 @@ fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     assert_eq!(refusal.level, Level::Warning);
     assert_eq!(frame(&headless.app).ptz, before);
     headless.wait_until("the line check", |app| app.paint_says(1).is_some());
+    // It is asked once whether that is meant.
     headless.act(Action::Command(Command::AcceptAndStay));
+    assert_eq!(frame(&headless.app).status, FrameStatus::Draft);
+    assert!(headless.app.session.offers(Command::AcceptAnyway), "{:?}", headless.app.session.notices);
+    headless.act(Action::Command(Command::AcceptAndStay));
+    assert_eq!(frame(&headless.app).status, FrameStatus::Reference);
     let solution = frame(&headless.app).solution.as_ref().unwrap();
     assert!(solution.line_check.as_ref().is_some_and(|check| check.score < 0.1), "{solution:?}");
     assert!(solution.warnings.iter().any(|warning| warning.code == "line_check"));
+    // Whoever looks at the whole is told as well.
+    let open = headless.app.open().unwrap();
+    let at = open.document.at(&open.folder);
+    let faults: Vec<_> = check_values(at).into_iter().map(|problem| (problem.frame, problem.fault.code())).collect();
+    assert!(faults.contains(&(Some(1), "off_paint")), "{faults:?}");
+    let exported = export(at, Format::Csv, &ExportOptions::default()).unwrap();
+    assert!(exported.notes.iter().any(|note| note.starts_with("the paint contradicts the camera of ")), "{exported:?}");
+    headless.act(Action::Command(Command::QualityPage));
+    assert_eq!(headless.app.quality().off_paint, [1]);
+}
+
+#[test]
+fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a_tenth_is_not_drawn() {
+    let (place, _) = project();
+    let file = place.path().join("project").join("project.json");
+    let drawn = document_from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+    for (confidence, is_drawn, is_asked) in [(0.03, false, true), (0.3, true, true), (0.7, true, false)] {
+        let mut document = drawn.clone();
+        let proposed = &mut document.frames[0];
+        proposed.status = FrameStatus::Suggested;
+        let source = Some(SolutionSource::Forest);
+        proposed.solution = Some(Solution { source, confidence: Some(confidence), ..Solution::default() });
+        std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+        let mut headless = Headless::opened(&place.path().join("project"));
+        assert_eq!(headless.app.shown().camera.is_some(), is_drawn, "{confidence}");
+        assert_eq!(next_step(&headless.app).text.starts_with("No proposal that holds."), !is_drawn);
+        headless.act(Action::Command(Command::AcceptAndStay));
+        let accepted = frame(&headless.app).status == FrameStatus::Reference;
+        assert_eq!(
+            (accepted, headless.app.session.offers(Command::AcceptAnyway)),
+            (!is_asked, is_asked),
+            "{confidence}"
+        );
+        headless.act(Action::Command(Command::Undo));
+        // A click right where such a camera has a landmark is named by one that is likely alone.
+        let camera = document.pointed(&document.frames[0]).unwrap();
+        let field = headless.app.current().field().unwrap().clone();
+        let shown = project_landmarks(&field, &camera, frame(&headless.app).image_size, -40.0);
+        headless.act(Action::Press { at: shown[0].image, on: None });
+        headless.act(Action::Release);
+        assert_eq!(frame(&headless.app).clicks[0].target.is_some(), !is_asked, "{confidence}");
+    }
 }
 
 #[test]
@@ -186,6 +234,7 @@ fn snapping_a_proposal_is_a_step_of_its_own() {
     std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
     let mut headless = Headless::opened(&place.path().join("project"));
     headless.act(Action::GoTo(1));
+    headless.wait_until("the line check", |app| app.paint_says(1).is_some());
     headless.act(Action::Command(Command::AcceptAndStay));
     headless.act(Action::Command(Command::AcceptAnyway));
     headless.act(Action::GoTo(0));

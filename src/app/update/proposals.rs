@@ -3,9 +3,11 @@
 use super::App;
 use crate::app::effect::Effect;
 use crate::app::session::{Level, Saving};
-use crate::calibrate::moved_frames;
+use crate::calibrate::follow_bases;
 use crate::document::Edit;
 use crate::proposals::{CarriedProposal, NoProposal, Proposal};
+use std::convert::Infallible;
+use std::ops::ControlFlow;
 
 impl App {
     /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
@@ -46,11 +48,9 @@ impl App {
             return;
         }
         let before = open.journalled.shown().clone();
-        let moved = moved_frames(&before, &open.document);
-        if moved.is_empty() {
-            return;
-        }
-        let withdrawn = moved.into_iter().filter(|&index| open.document.follow_base(index, &before)).count();
+        let all: Vec<usize> = (0..open.document.frames.len()).collect();
+        let go_on = || ControlFlow::<Infallible>::Continue(());
+        let Ok(withdrawn) = follow_bases(&mut open.document, &before, &all, &go_on);
         self.tell_withdrawn(withdrawn);
     }
 

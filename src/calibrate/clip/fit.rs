@@ -27,11 +27,6 @@ const SETTLED_PX: f64 = 4.0;
 /// A camera this near to another is the same answer, px at 1920 px width: paint is found to half of it.
 const ALIKE_PX: f64 = 1.5;
 
-/// Where the field's size was not fitted, more paint than this that lies on no line of it contradicts a camera: a field too long puts
-/// the centre circle beside its paint while the penalty area lies on it. Of 788 right frames of four broadcasts 0.51 lay on no line at
-/// most, of fourteen that were 100 px off in the centre circle 0.45 at least; fields of fitted size are not asked.
-const UNEXPLAINED: f64 = 0.45;
-
 /// An answer is replaced by one that the paint finds no less probable than this much below it.
 const SCORE_NOISE: f64 = 0.05;
 
@@ -148,15 +143,12 @@ impl ClipFit<'_> {
             let known = self.verdict_by_evidence(evidence, frame, ptz).filter(|_| self.is_size_fitted);
             let verdict = match (known, other) {
                 (Some(verdict), None) => verdict,
-                (_, other) => {
-                    let shown = self.pictures.read_masked(reader, frame)?;
-                    let ground = GroundPicture::new(&shown.picture, &shown.masks);
-                    let check = |ptz: Ptz| check_lines(&ground, self.field, &PtzCamera::new(*self.base, ptz));
-                    let now = check(ptz);
-                    if other.is_some_and(|earlier| !may_replace(&check(*earlier), &now)) {
+                (known, other) => {
+                    let (verdict, keeps_earlier) = self.look_again(reader, frame, ptz, other.copied())?;
+                    if keeps_earlier {
                         kept.insert(frame);
                     }
-                    known.unwrap_or_else(|| self.verdict_of(&now))
+                    known.unwrap_or(verdict)
                 }
             };
             let next = asked.get(done + 1).map_or(paint.len(), |next| next.0);
@@ -165,9 +157,25 @@ impl ClipFit<'_> {
         Ok((paint, kept))
     }
 
+    /// What the paint says about a frame's adjusted camera, and whether it speaks more for the one that the frame had earlier.
+    fn look_again(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frame: usize,
+        ptz: Ptz,
+        earlier: Option<Ptz>,
+    ) -> Result<(PaintVerdict, bool), TrackClipError> {
+        let shown = self.pictures.read_masked(reader, frame)?;
+        let ground = GroundPicture::new(&shown.picture, &shown.masks);
+        let check = |ptz: Ptz| check_lines(&ground, self.field, &PtzCamera::new(*self.base, ptz));
+        let now = check(ptz);
+        let keeps_earlier = earlier.is_some_and(|earlier| !may_replace(&check(earlier), &now));
+        Ok((self.verdict_of(&now), keeps_earlier))
+    }
+
     /// What a line check says about a camera.
     fn verdict_of(&self, check: &LineCheck) -> PaintVerdict {
-        let is_of_other_field = !self.is_size_fitted && check.unexplained.is_some_and(|share| share >= UNEXPLAINED);
+        let is_of_other_field = !self.is_size_fitted && check.is_of_other_field();
         match check.verdict() {
             _ if is_of_other_field => PaintVerdict::Contradicts,
             LineVerdict::Supports => PaintVerdict::Agrees,

@@ -23,22 +23,16 @@ pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
     }
     for moved in &tracked.references {
         let Some(frame) = document.frames.get_mut(moved.place) else { continue };
-        frame.ptz = Some(with_numbers(frame.ptz.take(), &tracked.base, moved.ptz));
+        frame.point(moved.ptz, PtzCamera::new(tracked.base, moved.ptz).lens());
         let solution = frame.solution.get_or_insert_default();
         keep_raw(solution, &tracked.base, moved.raw);
     }
 }
 
-/// A frame's camera with other numbers.
-fn with_numbers(before: Option<FramePtz>, base: &CameraBase, ptz: Ptz) -> FramePtz {
-    let lens = PtzCamera::new(*base, ptz).lens();
-    let extra = before.map(|before| before.extra).unwrap_or_default();
-    FramePtz { extra, ..FramePtz::new(ptz, Some(lens).filter(|lens| !lens.is_none())) }
-}
-
 /// Keeps a camera as it was before it was smoothed.
 fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
-    if let Ok(raw) = serde_json::to_value(with_numbers(None, base, raw)) {
+    let lens = Some(PtzCamera::new(*base, raw).lens()).filter(|lens| !lens.is_none());
+    if let Ok(raw) = serde_json::to_value(FramePtz::new(raw, lens)) {
         solution.extra.entry(RAW.to_owned()).or_insert(raw);
     }
 }
@@ -46,7 +40,7 @@ fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
 /// Writes the camera that was carried to a frame into it, as a suggestion.
 pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
     let camera = PtzCamera::new(clip.base, tracked.ptz);
-    frame.ptz = Some(with_numbers(frame.ptz.take(), &clip.base, tracked.ptz));
+    frame.point(tracked.ptz, camera.lens());
     frame.status = FrameStatus::Suggested;
     let mut solution = Solution {
         covariance: Some(tracked.uncertainty.ptz_covariance_deg()),

@@ -3,7 +3,7 @@
 use super::UnclickedCamera;
 use crate::calibrate::record_snapped;
 use crate::camera::PtzCamera;
-use crate::document::{CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource};
+use crate::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
 use crate::solve::Uncertainty;
 
 /// Writes a found camera into a document: base, size of the field, crown, and its frames as suggestions. References stay as they are.
@@ -24,9 +24,8 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Unclicke
         if frame.status == FrameStatus::New {
             frame.status = FrameStatus::Suggested;
         }
-        let lens = Some(found.base.distortion.radial_at(of_found.ptz.focal_px)).filter(|lens| !lens.is_none());
-        frame.ptz = Some(FramePtz::new(of_found.ptz, lens));
         let camera = PtzCamera::new(found.base, of_found.ptz);
+        frame.point(of_found.ptz, camera.lens());
         let known = of_found.uncertainty.as_ref();
         frame.solution = Some(Solution {
             source: Some(SolutionSource::Markings),

@@ -101,7 +101,7 @@ pub fn adjust_base(
         clicks.zip(&start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options.priors.of_model(model, image_width_px, &MeanView::from_frames(start, &ptz)),
+        priors: options.priors.of_model(model, image_width_px, &UsualView::from_frames(start, &ptz)),
         free: free_parameters(model),
         loss: options.loss,
     };
@@ -116,7 +116,7 @@ pub fn adjust_base(
         noise_scale,
         principal_point_px: options.priors.principal_point_px * per_1920(image_width_px),
     };
-    let view = MeanView::from_frames(start, ptz);
+    let view = UsualView::from_frames(start, ptz);
     let covariance = held.covariance(bundle, &|model| options.priors.of_model(model, image_width_px, &view));
     let (mut base, added) = shared.base.in_pan_gauge();
     base.sigma = BaseSigma::from_covariance(&covariance, shared.crown.width_m);
@@ -160,26 +160,26 @@ fn per_1920(image_width_px: u32) -> f64 {
 /// With fewer frames the principal point and the direction to the field are not told from the position.
 pub(super) const PLACING_FRAMES: usize = 12;
 
-/// How a camera looks at its field: what its priors are about.
+/// Where a camera usually looks: what its priors are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct MeanView {
+pub(super) struct UsualView {
     /// From where it stands to the middle of the field, seen from above: unit, `world` x and y. Operators level their heads along and
     /// across it, wherever a single frame looks.
     pub along: Vec2,
-    /// The focal length, px: the middle of the frames' on a logarithmic scale.
-    pub focal_px: f64,
+    /// The focal length, px: the middle of the frames' on a logarithmic scale; none where that of the priors holds.
+    pub focal_px: Option<f64>,
 }
 
-impl MeanView {
+impl UsualView {
     /// Of frames of a base. Few frames do not place a camera well enough to say where it sees its field: then it is taken to stand on
     /// the main stand, at the focal length of the priors.
     pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
         if ptz.len() < PLACING_FRAMES {
-            return Self { along: Vec2::new(0.0, 1.0), focal_px: LENS_FOCAL_PX };
+            return Self { along: Vec2::new(0.0, 1.0), focal_px: None };
         }
         let along = (-base.position_m.xy()).try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0));
         let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
-        let focal_px = (logs / ptz.len() as f64).exp();
+        let focal_px = Some((logs / ptz.len() as f64).exp());
         Self { along, focal_px }
     }
 }
@@ -188,7 +188,7 @@ impl BasePriors {
     /// Those of the parameters that a model leaves free.
     ///
     /// Heads are levelled along and across the direction in which they look at the field, whatever the field's axes are.
-    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: &MeanView) -> Vec<SharedPrior> {
+    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: &UsualView) -> Vec<SharedPrior> {
         let per_1920 = per_1920(image_width_px);
         let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };
         let mut found = vec![
@@ -197,11 +197,8 @@ impl BasePriors {
         ];
         if model.lens != LensModel::Pinhole {
             // A k₁ that does not follow the focal length is the one at the frames' own.
-            let beyond_px = if model.lens.follows_focal() || view.focal_px == LENS_FOCAL_PX {
-                0.0
-            } else {
-                view.focal_px / per_1920 - LENS_FOCAL_PX
-            };
+            let own_px = view.focal_px.filter(|_| !model.lens.follows_focal());
+            let beyond_px = own_px.map_or(0.0, |own_px| own_px / per_1920 - LENS_FOCAL_PX);
             let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
             found.push(prior(Expected::K1(expected), self.k1.1.hypot(self.k1_slope.1 * beyond_px / 1000.0)));
         }

@@ -5,7 +5,7 @@
 //! landmarks and lines move with them is taken from fields of two sizes, whatever the template's expressions are; where
 //! they do not move in proportion, the fit is repeated at the size found.
 
-use super::adjust::{MeanView, starting};
+use super::adjust::{UsualView, starting};
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
@@ -188,7 +188,7 @@ impl SizeFit<'_> {
         };
         let solved = start.frames.iter().zip(start.ptz).filter(|(_, ptz)| ptz.is_some());
         let frames = solved.map(|(frame, _)| frame.used().filter_map(on_field).collect()).collect();
-        let view = MeanView::from_frames(start.base, &start.ptz.iter().flatten().copied().collect::<Vec<_>>());
+        let view = UsualView::from_frames(start.base, &start.ptz.iter().flatten().copied().collect::<Vec<_>>());
         let mut priors = start.options.priors.of_model(start.model, start.image_width_px, &view);
         priors.extend(self.params.iter().zip(values).enumerate().map(|(size, (param, value))| SharedPrior {
             of: Expected::Larger(param.assumed_m - value, size),
