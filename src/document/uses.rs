@@ -18,6 +18,13 @@ impl Frame {
         self.solution.as_ref().filter(|_| is_open)?.confidence
     }
 
+    /// Why a suggestion is more likely wrong than right, where that is recorded.
+    #[must_use]
+    pub fn why_unlikely(&self) -> Option<&str> {
+        self.suggested_confidence().filter(|confidence| *confidence < LIKELY)?;
+        self.solution.as_ref()?.warnings.first().map(|warning| warning.message.as_str())
+    }
+
     /// What is recorded of the paint of its picture, where that contradicts its camera.
     #[must_use]
     pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {

@@ -213,12 +213,12 @@ mod tests {
         let picture = drawn(&soccer(), &pointed, SIZE);
         let ground = GroundPicture::new(&picture, &[]);
         assert!(!check_lines(&ground, &soccer(), &pointed).is_of_other_field());
-        // Eight metres longer, and the camera as far from the right goal line as before.
-        let length_m = soccer().length_m + 8.0;
-        let longer = builtin("soccer").unwrap().model(&[("length_m".to_owned(), length_m)].into(), 0.1).unwrap();
+        // Fourteen metres shorter, and the camera as far from the right goal line as before.
+        let length_m = soccer().length_m - 14.0;
+        let shorter = builtin("soccer").unwrap().model(&[("length_m".to_owned(), length_m)].into(), 0.1).unwrap();
         let base = *pointed.base();
-        let moved = CameraBase { position_m: base.position_m + Vec3::new(4.0, 0.0, 0.0), ..base };
-        let check = check_lines(&ground, &longer, &PtzCamera::new(moved, pointed.ptz()));
+        let moved = CameraBase { position_m: base.position_m - Vec3::new(7.0, 0.0, 0.0), ..base };
+        let check = check_lines(&ground, &shorter, &PtzCamera::new(moved, pointed.ptz()));
         assert!(check.is_of_other_field(), "{check:?}");
     }
 

@@ -274,7 +274,8 @@ mod tests {
             let mut actions = Vec::new();
             read(&self.app, &mut actions, &self.ctx);
             keys::read(&self.app, &mut actions, &self.ctx);
-            let _ = self.ctx.end_pass();
+            // Nobody draws what these frames upload.
+            self.ctx.end_pass().textures_delta.clear();
             for action in actions {
                 self.app.update(action);
             }
@@ -290,6 +291,7 @@ mod tests {
             self.app.update(Action::Press { at: image_of(landmark), on: None });
             self.app.update(Action::Release);
             self.frame(0.02, Vec::new());
+            assert_eq!(self.app.frame().unwrap().clicks.len(), 3, "{landmark} lies in the picture");
         }
 
         fn stroke(&mut self, after_s: f64, key: Key, text: &str) {
@@ -382,7 +384,7 @@ mod tests {
     #[test]
     fn no_burst_of_letters_after_a_click_accepts_or_touches_another_frame() {
         let bursts = std::env::var("TOUCHLINE_SEQUENCES").ok().and_then(|count| count.parse().ok()).unwrap_or(150);
-        let marks = ["penalty_mark_left", "goal_area_far_left_front", "penalty_area_near_left_front"];
+        let marks = ["penalty_mark_left", "goal_area_far_left_front", "centre_mark"];
         for seed in 0..bursts {
             let mut random = Pcg64Mcg::seed_from_u64(seed);
             let mut hands = Hands::new();

@@ -277,7 +277,7 @@ fn the_commands_weight_clicks_as_the_document_says() {
     write("usual.json", &document);
     document.set_click_noise(&own(&document).click_noise.unwrap()).unwrap();
     write("own.json", &document);
-    for command in ["solve", "refine-base --distortion none --crown 0"] {
+    for command in ["solve", "refine-base --distortion none --crown 0 --principal-point=false"] {
         let sigma = |name: &str| {
             let ran = touchline(folder.path(), &format!("{command} {name}"));
             let solved = document_from_bytes(ran.stdout.as_bytes()).unwrap();

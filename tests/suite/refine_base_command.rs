@@ -79,7 +79,7 @@ fn a_camera_is_found_from_clicks_alone_and_every_frame_solved() {
     let ran = touchline(folder.path(), "refine-base doc.json -o out/refined.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     for line in
-        ["main: position (", "k1 linear in f, crowned pitch: ", "main: all clicks ", "1 cameras estimated, 10 frames"]
+        ["main: position (", "k1 linear in f, crowned pitch: ", "main: all clicks ", "1 camera estimated, 10 frames"]
     {
         assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
     }

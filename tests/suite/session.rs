@@ -66,7 +66,7 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     std::fs::create_dir(root.path().join("out")).unwrap();
     headless.answer(Question::ExportAs(Format::Json), &dataset);
     headless.wait_until("exporting", |app| {
-        app.session.notices.iter().any(|n| n.text.starts_with("3 frames written as json"))
+        app.session.notices.iter().any(|n| n.text.starts_with("1 frame written as json"))
     });
     let exported = document_from_bytes(&std::fs::read(&dataset).unwrap()).unwrap();
     assert_eq!(exported.frames[0].name(), "../frames/1.png");

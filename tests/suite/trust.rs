@@ -225,7 +225,9 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
             overlay.percent(),
             overlay.of
         );
-        assert!((64.0..=72.0).contains(&overlay.percent()), "{displaced_m} m: {:.1} %", overlay.percent());
+        // Ten of these cameras are estimated from so few frames that their principal points, here exactly in the middle, count as
+        // uncertain.
+        assert!((64.0..=74.0).contains(&overlay.percent()), "{displaced_m} m: {:.1} %", overlay.percent());
         assert!(one.percent() >= 58.0 && two.percent() >= 90.0, "{:.0} %, {:.0} %", one.percent(), two.percent());
     }
 }

@@ -49,7 +49,8 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     window.key(Key::Enter);
     assert_eq!((window.app().session.frame, window.app().session.named_unasked), (0, None));
 
-    // Accepted: the frame is a reference, the next one is shown, everything is on disk.
+    // Accepted by a stroke for itself: the frame is a reference, the next one is shown, everything is on disk.
+    window.harness.run_steps(5);
     window.key(Key::Enter);
     assert_eq!(window.app().session.frame, 1);
     assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Reference);

@@ -140,10 +140,13 @@ fn a_code_typed_after_a_point_has_named_itself_is_its_name_and_no_command() {
             assert_eq!(named(&window)[2], expected);
         }
     }
-    // After two seconds letters are commands again.
+    // Where the pointer has left the point letters are commands again.
     let mut window = two_points_named();
-    window.click(window.image_of("penalty_mark_left"));
-    window.harness.run_steps(10);
+    let placed = window.image_of("penalty_mark_left");
+    window.click(placed);
+    let elsewhere = window.on_screen(ImagePoint::new(placed.x + 120.0, placed.y));
+    window.harness.event(Event::PointerMoved(elsewhere));
+    window.harness.run_steps(2);
     window.key(Key::K);
     assert!(window.app().frame().unwrap().clicks[2].check, "K makes it a check point");
 }

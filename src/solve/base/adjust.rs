@@ -43,6 +43,17 @@ impl Default for BasePriors {
     }
 }
 
+/// What a model holds because a person has prescribed it. Where it holds something else, that errs as its prior says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Prescribed {
+    /// The lens.
+    pub lens: bool,
+    /// The crown of the pitch.
+    pub crown: bool,
+    /// The principal point.
+    pub principal_point: bool,
+}
+
 /// How to adjust.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdjustOptions {
@@ -50,13 +61,20 @@ pub struct AdjustOptions {
     pub loss: Loss,
     /// What is known beforehand.
     pub priors: BasePriors,
+    /// What is exact because a person says so.
+    pub prescribed: Prescribed,
     /// Steps at most.
     pub max_iterations: usize,
 }
 
 impl Default for AdjustOptions {
     fn default() -> Self {
-        Self { loss: Loss::Cauchy { c: 3.0 }, priors: BasePriors::default(), max_iterations: 60 }
+        Self {
+            loss: Loss::Cauchy { c: 3.0 },
+            priors: BasePriors::default(),
+            prescribed: Prescribed::default(),
+            max_iterations: 60,
+        }
     }
 }
 
@@ -114,6 +132,7 @@ pub fn adjust_base(
         model,
         field,
         noise_scale,
+        prescribed: options.prescribed,
         principal_point_px: options.priors.principal_point_px * per_1920(image_width_px),
     };
     let view = UsualView::from_frames(start, ptz);

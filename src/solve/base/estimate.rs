@@ -8,7 +8,7 @@ use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
     AdjustOptions, AdjustedBase, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks,
-    HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore, OneMoreFrame, WatchBase,
+    HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore, OneMoreFrame, Prescribed, WatchBase,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -59,6 +59,12 @@ impl BaseOptions {
     /// frames err by a tenth more with it than without, and ten by 2 %; all frames err by a tenth less.
     fn free_centre(&self, nominal: ImagePoint, frames: usize) -> Option<ImagePoint> {
         (self.principal_point && frames >= PLACING_FRAMES).then_some(nominal)
+    }
+
+    /// How to adjust, with what these options prescribe.
+    fn adjusting(&self) -> AdjustOptions {
+        let (lens, crown) = (self.lens.is_some(), self.crown.is_some());
+        AdjustOptions { prescribed: Prescribed { lens, crown, principal_point: !self.principal_point }, ..self.adjust }
     }
 
     /// The model with most that is free among those that may be chosen.
@@ -146,6 +152,7 @@ pub fn estimate_base_watched(
 ) -> Result<BaseEstimate, BaseError> {
     let CameraClicks { field, frames, image_size, principal_point } = *clicks;
     let models = models(field, options.free_centre(principal_point, frames.len()), options);
+    let adjust = options.adjusting();
     let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
@@ -158,13 +165,13 @@ pub fn estimate_base_watched(
     // First the pinhole, which has nothing to go astray with; then each frame anew from its clicks.
     let pinhole = pinhole(field);
     for _ in 0..STARTING_ROUNDS {
-        let adjusted = adjust_base(clicks, &base, &ptz, &pinhole, &options.adjust);
+        let adjusted = adjust_base(clicks, &base, &ptz, &pinhole, &adjust);
         base = adjusted.base;
         ptz = solve_all(&base, frames, image_size);
         adjustments.made();
     }
 
-    let fit = chosen_fit(clicks, &models, (&base, &ptz), &options.adjust, &adjustments)?;
+    let fit = chosen_fit(clicks, &models, (&base, &ptz), &adjust, &adjustments)?;
     let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
     let frames: Vec<FrameClicks> = frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
     let solved_frames = ptz.iter().flatten().count();
@@ -174,7 +181,7 @@ pub fn estimate_base_watched(
     estimate.previous_median_px = previous_fit.map(|fit| fit.1);
     if solved_frames < MIN_FRAMES {
         let known_m = estimate.base.sigma.position_m.norm();
-        let adjusting = (&model, &options.adjust);
+        let adjusting = (&model, &adjust);
         estimate.one_more_frame = one_more_frame(clicks, &estimate.base, &adjusted_ptz, adjusting, known_m);
     }
     Ok(estimate)
@@ -198,7 +205,7 @@ pub fn estimate_base_on_paint(
     let models = models(field, options.free_centre(principal_point, solved_frames), options);
     let adjustments = Adjustments::new(watch, models.len() * FOLDS);
     let painted = CameraClicks { frames: painted, ..*clicks };
-    let fit = chosen_fit(&painted, &models, start, &options.adjust, &adjustments)?;
+    let fit = chosen_fit(&painted, &models, start, &options.adjusting(), &adjustments)?;
     let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
     let recrowned = |frames: &[FrameClicks]| frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
     let (frames, painted): (Vec<FrameClicks>, Vec<FrameClicks>) = (recrowned(frames), recrowned(painted.frames));

@@ -6,7 +6,7 @@
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE, PRINCIPAL_POINT, free_parameters};
 use super::shared_prior::SharedPrior;
-use super::{BaseModel, CrownModel, LensModel};
+use super::{BaseModel, CrownModel, LensModel, Prescribed};
 use crate::camera::SharedCovariance;
 use crate::field::FieldModel;
 use crate::geometry::ImagePoint;
@@ -18,6 +18,7 @@ pub(super) struct Adjusted<'a> {
     pub model: &'a BaseModel,
     pub field: &'a FieldModel,
     pub noise_scale: f64,
+    pub prescribed: Prescribed,
     /// The 1-σ of a principal point about the middle, px.
     pub principal_point_px: f64,
 }
@@ -33,12 +34,14 @@ impl Adjusted<'_> {
         mut bundle: Bundle<OF_BASE>,
         priors: &dyn Fn(&BaseModel) -> Vec<SharedPrior>,
     ) -> SharedCovariance {
-        let crown = if self.field.may_be_crowned() { CrownModel::Free } else { self.model.crown };
-        let uncertain = BaseModel { lens: LensModel::K1Focal, crown, ..*self.model };
+        let lens = if self.prescribed.lens { self.model.lens } else { LensModel::K1Focal };
+        let is_level = self.prescribed.crown || !self.field.may_be_crowned();
+        let crown = if is_level { self.model.crown } else { CrownModel::Free };
+        let uncertain = BaseModel { lens, crown, ..*self.model };
         bundle.free = free_parameters(&uncertain);
         bundle.priors = priors(&uncertain);
         let covariance = bundle.covariance(self.state, self.noise_scale);
-        if self.model.principal_point.is_some() {
+        if self.model.principal_point.is_some() || self.prescribed.principal_point {
             return covariance;
         }
         let held = bundle.determined(self.state).reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse());

@@ -21,7 +21,7 @@ mod scatter;
 mod shared_prior;
 mod start;
 
-pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
+pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, Prescribed, adjust_base};
 pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{

@@ -89,7 +89,8 @@ fn proposal(app: &App, ui: &mut Ui) {
     let certain = confidence.map(|confidence| format!(", confidence {}", percent(confidence)));
     let accepted = frame.status == FrameStatus::Reference;
     let state = if accepted { "Accepted unchanged." } else { "Not reviewed yet." };
-    said(ui, &format!("Proposed{}. {state}", certain.unwrap_or_default()));
+    let why = frame.why_unlikely().map(|why| format!(" {}", sentence(why))).unwrap_or_default();
+    said(ui, &format!("Proposed{}. {state}{why}", certain.unwrap_or_default()));
 }
 
 /// The switch for using an accepted proposal for training.

@@ -3,7 +3,7 @@
 
 use crate::app::review::{ReviewOrder, ReviewRow, percent};
 use crate::app::session::status_label;
-use crate::app::{Action, Command};
+use crate::app::{Action, Command, sentence};
 use crate::ui::menu::{self, file_name};
 use crate::ui::{
     Panel, miniature,
@@ -156,11 +156,13 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         if row.is_still() { "camera exactly still".to_owned() } else { format!("{px:.0} px from neighbours") }
     };
     let neighbours = row.apart_px().filter(|_| !row.gone).map(beside);
+    let unlikely = frame.why_unlikely().filter(|_| !row.gone);
     response.widget_info(|| {
         let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
         let what = if row.gone { "No longer a suggestion" } else { "Suggestion" };
         let lines = paint.map(|says| format!(", {}", says.in_brief())).unwrap_or_default();
-        let label = format!("{what}, frame {}, {name}, {confidence}{apart}{lines}", open.frame_number(row.frame));
+        let why = unlikely.map(|why| format!(", {why}")).unwrap_or_default();
+        let label = format!("{what}, frame {}, {name}, {confidence}{apart}{lines}{why}", open.frame_number(row.frame));
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     let painter = ui.painter();
@@ -195,15 +197,17 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     if !row.gone {
         confidence_bar(painter, bar, row.confidence);
     }
-    if let Some(text) = &neighbours {
-        let colour = if row.disagrees() || row.is_still() { ui.palette().caution } else { ui.palette().weak };
-        text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text.clone(), colour);
+    if let Some(text) = unlikely.map(str::to_owned).or(neighbours.clone()) {
+        let is_odd = unlikely.is_some() || row.disagrees() || row.is_still();
+        let colour = if is_odd { ui.palette().caution } else { ui.palette().weak };
+        text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text, colour);
     }
     let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
     let is = if row.gone { "" } else { "confidence " };
     let paint = paint.map(|says| format!(", {}", says.describe())).unwrap_or_default();
     let still = if row.is_still() && !row.gone { " Check that the picture stands still as well." } else { "" };
-    let tip = format!("{}: {is}{confidence}{neighbours}{paint}.{still} Click to look at it.", frame.name());
+    let why = unlikely.map(|why| format!(" {}", sentence(why))).unwrap_or_default();
+    let tip = format!("{}: {is}{confidence}{neighbours}{paint}.{why}{still} Click to look at it.", frame.name());
     if response.clicked() || response.secondary_clicked() {
         panel.actions.push(Action::GoTo(row.frame));
     }
