@@ -312,7 +312,7 @@ pub(super) fn rank_names(
         neighbour_clicks: &remembered_clicks(open, frame_index),
     };
     let candidates = naming::candidates(&scene, at, lines);
-    Some(Naming { click, candidates, typed: String::new(), lines, highlighted: 0 })
+    Some(Naming { click, candidates, refines: false, typed: String::new(), lines, highlighted: 0 })
 }
 
 /// The camera of a frame that does not come from its clicks.

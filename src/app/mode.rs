@@ -42,6 +42,8 @@ pub struct Naming {
     pub click: usize,
     /// Every name it may get, best first.
     pub candidates: Vec<NameCandidate>,
+    /// The point had named itself, and keeps that name unless another one is taken.
+    pub refines: bool,
     /// What has been typed to filter them.
     pub typed: String,
     /// Lines are offered and not landmarks.

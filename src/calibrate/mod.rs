@@ -57,6 +57,7 @@ pub use gold::choose_gold;
 pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};
 pub(crate) use own_covariance::own_covariance;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
+pub(crate) use paint::LINE_CHECK;
 pub use paint::{
     FindFrameError, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame, record_found_by_paint,
     record_line_check, record_on_paint, record_snapped, snap_clicks, snap_frame,

@@ -270,7 +270,7 @@ pub fn document_name(file: &Path) -> String {
 /// Document, frame and shot.
 fn place(app: &App, ui: &mut Ui) {
     let Some(open) = app.open() else { return };
-    let name = document_name(&open.file);
+    let name = shortened(&document_name(&open.file), LONGEST_NAME);
     ui.add(egui::Label::new(RichText::new(name).color(ui.palette().strong)).truncate())
         .on_hover_text(open.file.display().to_string());
     let count = open.document.frames.len();
@@ -279,8 +279,8 @@ fn place(app: &App, ui: &mut Ui) {
         ui.label(RichText::new(format!("frame {number}")).color(ui.palette().text))
             .on_hover_text(format!("Frame {number} of {count}, counted from 0: {}", frame.name()));
         if let Some(clip) = &frame.clip {
-            ui.add(egui::Label::new(RichText::new(format!("shot {clip}")).color(ui.palette().weak)).truncate())
-                .on_hover_text(format!("The frame's shot, {clip}"));
+            let shot = format!("shot {}", shortened(&clip.to_string(), LONGEST_NAME / 2));
+            ui.label(RichText::new(shot).color(ui.palette().weak)).on_hover_text(format!("The frame's shot, {clip}"));
         }
         ui.add(egui::Label::new(RichText::new(file_name(&frame.name())).color(ui.palette().weak)).truncate())
             .on_hover_text(frame.name());
@@ -288,6 +288,20 @@ fn place(app: &App, ui: &mut Ui) {
     if let Some(reason) = &open.read_only {
         ui.label(RichText::new("READ ONLY").small().strong().color(ui.palette().caution)).on_hover_text(reason.clone());
     }
+}
+
+/// Longer names are cut here, letters; the tooltip has them whole.
+const LONGEST_NAME: usize = 48;
+
+/// The beginning and the end of a text that is longer than so many letters.
+fn shortened(text: &str, most: usize) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    if letters.len() <= most {
+        return text.to_owned();
+    }
+    let (head, tail) = (most * 2 / 3, most / 3 - 1);
+    let ends = [&letters[..head], &['…'], &letters[letters.len() - tail..]];
+    ends.into_iter().flatten().collect()
 }
 
 /// The last part of a frame's path.
@@ -335,7 +349,7 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.opening {
         ui.add(egui::Spinner::new().size(12.0));
-        ui.add(egui::Label::new(RichText::new(opening).color(ui.palette().accent)).truncate())
+        ui.label(RichText::new(shortened(opening, LONGEST_NAME)).color(ui.palette().accent))
             .on_hover_text(format!("{opening} The window stays usable meanwhile."));
         let key = panel.app.settings.keys.shown(Command::Cancel);
         let palette = ui.palette();

@@ -3,7 +3,7 @@
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::Level;
 use crate::app::{App, OpenProject};
-use crate::calibrate::{check_frame, record_line_check};
+use crate::calibrate::{LINE_CHECK, check_frame, record_line_check};
 use crate::camera::PtzCamera;
 use crate::document::{Document, Frame, FrameId, FrameStatus, PaintEvidence};
 use crate::field::FieldModel;
@@ -205,7 +205,13 @@ impl LineChecks {
             Some(evidence) => PaintSays::recorded(evidence),
             None => PaintSays::of(&self.fresh(open, frame)?),
         };
-        let verdict = if self.is_informative() { says.verdict } else { LineVerdict::CannotSay };
+        // Who found the camera may know more of the paint than this one look: that the field is of another length, or the frames beside.
+        let is_warned = frame.solution.iter().flat_map(|solution| &solution.warnings).any(|it| it.code == LINE_CHECK);
+        let verdict = match says.verdict {
+            _ if is_warned => LineVerdict::Contradicts,
+            verdict if self.is_informative() => verdict,
+            _ => LineVerdict::CannotSay,
+        };
         Some(PaintSays { verdict, ..says })
     }
 

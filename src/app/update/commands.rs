@@ -350,8 +350,10 @@ impl App {
         match &self.session.mode {
             Mode::Dragging { .. } | Mode::Editing => self.abort(),
             Mode::Naming(naming) => {
-                let click = naming.click;
+                let (click, refines) = (naming.click, naming.refines);
                 self.leave_naming();
+                // It has the name that it gave itself, which nobody has confirmed.
+                self.session.named_unasked = refines.then_some(click);
                 // A point that was just placed and gets no name was not meant.
                 let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
                 if unnamed.is_some_and(|click| click.target.is_none()) {

@@ -72,6 +72,9 @@ impl App {
         let Some(click) = self.session.named_unasked.filter(|_| self.session.mode == Mode::Idle) else { return };
         self.session.forget_placed();
         self.open_naming(click);
+        if let Mode::Naming(naming) = &mut self.session.mode {
+            naming.refines = true;
+        }
         self.type_name(typed);
     }
 
@@ -92,9 +95,9 @@ impl App {
 
     pub(super) fn offer_lines(&mut self, lines: bool) {
         if let Mode::Naming(naming) = &self.session.mode {
-            let (click, typed) = (naming.click, naming.typed.clone());
+            let (click, refines, typed) = (naming.click, naming.refines, naming.typed.clone());
             if let Some(mut naming) = self.ranked_names(click, lines) {
-                naming.typed = typed;
+                (naming.refines, naming.typed) = (refines, typed);
                 self.session.mode = Mode::Naming(naming);
             }
         } else {

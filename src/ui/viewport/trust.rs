@@ -24,7 +24,7 @@ const CROWDED: f32 = 90.0;
 /// How long they pulse, s.
 const PULSING_S: f64 = 5.0;
 /// The legend's size, points.
-const LEGEND: egui::Vec2 = vec2(232.0, 52.0);
+const LEGEND: egui::Vec2 = vec2(284.0, 52.0);
 
 /// The layer that shows the uncertainty below the lines, if it is switched on and known.
 pub fn layer(app: &App) -> Option<Layer> {
