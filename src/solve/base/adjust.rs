@@ -5,7 +5,7 @@ use super::bundle::{Bundle, BundleState};
 use super::held::Adjusted;
 use super::parameters::{OF_BASE, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
-use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel};
+use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, Prescribed};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec2};
@@ -41,17 +41,6 @@ impl Default for BasePriors {
             principal_point_px: 40.0,
         }
     }
-}
-
-/// What a model holds because a person has prescribed it. Where it holds something else, that errs as its prior says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Prescribed {
-    /// The lens.
-    pub lens: bool,
-    /// The crown of the pitch.
-    pub crown: bool,
-    /// The principal point.
-    pub principal_point: bool,
 }
 
 /// How to adjust.

@@ -21,7 +21,7 @@ mod scatter;
 mod shared_prior;
 mod start;
 
-pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, Prescribed, adjust_base};
+pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
 pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{
@@ -29,7 +29,7 @@ pub use estimate::{
     held_out_on_paint,
 };
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
-pub use model::{BaseModel, CrownModel, LensModel};
+pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use model_choice::{HeldOutErrors, ModelReason, ModelScore};
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use progress::{BaseProgress, WatchBase};

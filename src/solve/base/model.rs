@@ -65,6 +65,17 @@ pub struct BaseModel {
     pub principal_point: Option<ImagePoint>,
 }
 
+/// What a model holds because a person has prescribed it. Where it holds something else, that errs as its prior says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Prescribed {
+    /// The lens.
+    pub lens: bool,
+    /// The crown of the pitch.
+    pub crown: bool,
+    /// The principal point.
+    pub principal_point: bool,
+}
+
 impl fmt::Display for BaseModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lens = match self.lens {
