@@ -503,8 +503,8 @@ def whole_zoom(truth):
 SIZE = ["--size", "%dx%d" % (WIDTH, HEIGHT)]
 ZOOM = ["--zoom", "focal-px"]
 BACK = [
-    ("soccernet", "soccernet", [], [], whole, 1e-6),
-    ("pnlcalib", "soccernet", [], [], whole, 1e-6),
+    ("soccernet", "soccernet", [], SIZE, whole, 1e-6),
+    ("pnlcalib", "soccernet", [], SIZE, whole, 1e-6),
     ("csv", "csv", [], [], whole, 1e-6),
     ("broadtrack", "broadtrack", [], [], without_point, 1e-6),
     ("colmap", "colmap", [], [], whole, 1e-6),
