@@ -3,6 +3,7 @@
 use super::paint::LINE_CHECK;
 use crate::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionSource};
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 use std::ops::ControlFlow;
 
 /// The frames, ascending, whose camera has another base than in `before`, or that another camera has now.
@@ -36,9 +37,26 @@ pub(crate) fn follow_bases<B>(
     places: &[usize],
     watch: &dyn Fn() -> ControlFlow<B>,
 ) -> Result<usize, B> {
+    let mut moved = moved_frames(before, document);
+    moved.retain(|index| places.binary_search(index).is_ok());
+    follow_each(document, before, &moved, watch)
+}
+
+/// Lets all frames whose cameras have moved since `before` follow them; how many proposals were withdrawn.
+pub(crate) fn follow_all_bases(document: &mut Document, before: &Document) -> usize {
     let moved = moved_frames(before, document);
+    let Ok(withdrawn) = follow_each(document, before, &moved, &|| ControlFlow::<Infallible>::Continue(()));
+    withdrawn
+}
+
+fn follow_each<B>(
+    document: &mut Document,
+    before: &Document,
+    moved: &[usize],
+    watch: &dyn Fn() -> ControlFlow<B>,
+) -> Result<usize, B> {
     let mut withdrawn = 0;
-    for index in moved.into_iter().filter(|index| places.binary_search(index).is_ok()) {
+    for &index in moved {
         if document.frames[index].is_suggestion()
             && let ControlFlow::Break(stopped) = watch()
         {
@@ -109,7 +127,6 @@ mod tests {
     use crate::camera::{BaseAngles, CameraBase, Ptz};
     use crate::document::{FieldSpec, FramePtz, PaintEvidence, Solution};
     use crate::geometry::{ImageSize, Vec3};
-    use std::convert::Infallible;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -134,12 +151,6 @@ mod tests {
         (document, after)
     }
 
-    fn follow_all(document: &mut Document, before: &Document) -> usize {
-        let all: Vec<usize> = (0..document.frames.len()).collect();
-        let Ok(withdrawn) = follow_bases(document, before, &all, &|| ControlFlow::<Infallible>::Continue(()));
-        withdrawn
-    }
-
     #[test]
     fn cameras_from_pictures_keep_their_lines_and_lose_their_certainty() {
         for (source, status) in [
@@ -149,7 +160,7 @@ mod tests {
             (SolutionSource::Forest, FrameStatus::Reference),
         ] {
             let (before, mut after) = raised(Some(source), status);
-            assert_eq!(follow_all(&mut after, &before), 0, "{source:?}");
+            assert_eq!(follow_all_bases(&mut after, &before), 0, "{source:?}");
             let ground = Vec3::new(5.0, 3.0, 0.0);
             let at =
                 |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
@@ -165,11 +176,11 @@ mod tests {
     fn what_proposes_again_is_withdrawn_and_typed_numbers_stay() {
         for source in [SolutionSource::Forest, SolutionSource::Tracking] {
             let (before, mut after) = raised(Some(source), FrameStatus::Suggested);
-            assert_eq!(follow_all(&mut after, &before), 1, "{source:?}");
+            assert_eq!(follow_all_bases(&mut after, &before), 1, "{source:?}");
             assert!(after.frames[0].ptz.is_none());
         }
         let (before, mut after) = raised(None, FrameStatus::Draft);
-        follow_all(&mut after, &before);
+        follow_all_bases(&mut after, &before);
         assert_eq!(after.frames, before.frames);
     }
 
@@ -178,7 +189,7 @@ mod tests {
         let (before, mut after) = raised(Some(SolutionSource::Markings), FrameStatus::Suggested);
         after.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.2, -15.0, 2350.0), None));
         let found = after.frames.clone();
-        follow_all(&mut after, &before);
+        follow_all_bases(&mut after, &before);
         assert_eq!(after.frames, found);
     }
 }

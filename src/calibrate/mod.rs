@@ -49,7 +49,7 @@ pub use clip::{
 };
 pub(crate) use clip::{is_anchor, record_tracked_frame};
 pub use disagreement::{Disagreement, Disagreements, disagreements};
-pub(crate) use follow_base::follow_bases;
+pub(crate) use follow_base::follow_all_bases;
 pub use found_camera::FoundCamera;
 pub use frame_lookup::FrameLookup;
 pub(crate) use gold::can_choose_gold;

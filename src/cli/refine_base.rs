@@ -5,7 +5,7 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::calibrate::{
     BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, SolveOutcome, describe_mirrored, describe_size,
-    estimate_on_paint, follow_bases, solve_document,
+    estimate_on_paint, follow_all_bases, solve_document,
 };
 use crate::document::{CameraId, Document, DocumentAt, Frame};
 use crate::geometry::counted;
@@ -14,7 +14,6 @@ use crate::proposals::read_picture;
 use crate::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use clap::ValueEnum;
 use std::collections::BTreeSet;
-use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -152,8 +151,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             pulled.solved
         ));
     }
-    let all: Vec<usize> = (0..document.frames.len()).collect();
-    let Ok(withdrawn) = follow_bases(&mut document, &before, &all, &|| ControlFlow::<Infallible>::Continue(()));
+    let withdrawn = follow_all_bases(&mut document, &before);
     if withdrawn > 0 {
         messages.note(&format!("{withdrawn} proposals for the base before are withdrawn: relocalize or track again"));
     }

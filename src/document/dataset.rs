@@ -1,6 +1,6 @@
 //! A document as a dataset: what is written for those who use the labels.
 
-use super::{Document, Frame, SolutionWarning};
+use super::{Click, Document, Frame, SolutionWarning};
 use crate::solve::WarningCode;
 
 impl Document {
@@ -10,7 +10,7 @@ impl Document {
     pub fn into_dataset(mut self) -> Self {
         for frame in &mut self.frames {
             if frame.clicks.iter().any(|click| click.target.is_none()) {
-                frame.drop_unnamed_clicks();
+                frame.retain_clicks(|_, click| click.target.is_some());
             }
         }
         self.tell_assumed_sizes();
@@ -31,19 +31,18 @@ impl Document {
 }
 
 impl Frame {
-    /// Drops the unnamed clicks; the solution's indices of clicks follow.
-    fn drop_unnamed_clicks(&mut self) {
+    /// Keeps some of its clicks, chosen by their places; the solution's indices of clicks follow.
+    pub fn retain_clicks(&mut self, stays: impl Fn(usize, &Click) -> bool) {
         let mut kept = 0;
-        let new_index: Vec<Option<usize>> = self
-            .clicks
-            .iter()
-            .map(|click| {
-                click.target.as_ref()?;
+        let new_place = |(place, click): (usize, &Click)| {
+            stays(place, click).then(|| {
                 kept += 1;
-                Some(kept - 1)
+                kept - 1
             })
-            .collect();
-        self.clicks.retain(|click| click.target.is_some());
+        };
+        let new_index: Vec<Option<usize>> = self.clicks.iter().enumerate().map(new_place).collect();
+        let mut places = new_index.iter();
+        self.clicks.retain(|_| places.next().is_some_and(Option::is_some));
         let renumber = |indices: &mut Vec<usize>| {
             *indices = indices.iter().filter_map(|&index| new_index.get(index).copied().flatten()).collect();
         };

@@ -66,18 +66,6 @@ impl Frame {
         });
     }
 
-    /// Takes a click away. What was recorded of the clicks names them by their places: those that follow move up.
-    pub fn remove_click(&mut self, click: usize) {
-        if click >= self.clicks.len() {
-            return;
-        }
-        self.clicks.remove(click);
-        if let Some(solution) = &mut self.solution {
-            solution.disputed.retain(|disputed| *disputed != click);
-            solution.disputed.iter_mut().filter(|disputed| **disputed > click).for_each(|disputed| *disputed -= 1);
-        }
-    }
-
     /// What the program proposed, whether or not it was corrected since.
     #[must_use]
     pub fn proposed(&self) -> Option<Proposed> {

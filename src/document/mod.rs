@@ -165,6 +165,5 @@ pub use solution::{
 pub(crate) use split_document::SplitDocument;
 pub use step_edit::{StepEdit, StepMisfit};
 pub(crate) use suggestion::Suggestion;
-pub use uses::LIKELY;
 pub use video_shots::{ShotsError, VideoShots};
 pub use write::{WriteError, document_to_string};

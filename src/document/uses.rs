@@ -5,7 +5,7 @@ use crate::markings::LineVerdict;
 use crate::solve::Verdict;
 
 /// What the program suggests with less is more likely wrong than right.
-pub const LIKELY: f64 = 0.5;
+const LIKELY: f64 = 0.5;
 
 /// What the program suggests with less is no answer: nothing is drawn of it.
 const HOLDS: f64 = 0.1;
@@ -18,10 +18,16 @@ impl Frame {
         self.solution.as_ref().filter(|_| is_open)?.confidence
     }
 
+    /// The probability that a suggestion is right, where it is more likely wrong.
+    #[must_use]
+    pub fn unlikely(&self) -> Option<f64> {
+        self.suggested_confidence().filter(|confidence| *confidence < LIKELY)
+    }
+
     /// Why a suggestion is more likely wrong than right, where that is recorded.
     #[must_use]
     pub fn why_unlikely(&self) -> Option<&str> {
-        self.suggested_confidence().filter(|confidence| *confidence < LIKELY)?;
+        self.unlikely()?;
         self.solution.as_ref()?.warnings.first().map(|warning| warning.message.as_str())
     }
 
@@ -30,6 +36,12 @@ impl Frame {
     pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {
         let evidence = self.solution.as_ref().filter(|_| self.ptz.is_some())?.line_check.as_ref()?;
         (evidence.verdict() == LineVerdict::Contradicts).then_some(evidence)
+    }
+
+    /// The same of a camera that a person has accepted.
+    #[must_use]
+    pub fn accepted_off_paint(&self) -> Option<&PaintEvidence> {
+        self.contradicting_paint().filter(|_| self.status == FrameStatus::Reference)
     }
 
     /// Whether its camera may speak for others: a person's word for it, or a suggestion that is as likely right as wrong and that no

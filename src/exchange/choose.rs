@@ -18,8 +18,7 @@ pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
 
 /// Names the accepted frames whose paint contradicts their cameras; none where there are none.
 pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<String> {
-    let is_off = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.contradicting_paint().is_some();
-    let off: Vec<String> = frames.filter(is_off).map(Frame::name).collect();
+    let off: Vec<String> = frames.filter(|frame| frame.accepted_off_paint().is_some()).map(Frame::name).collect();
     let first = off.first()?;
     Some(match off.len() {
         1 => format!("the paint contradicts the camera of {first}, which is accepted: look at it again"),

@@ -18,7 +18,7 @@ pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, Drawn, drawn};
 
 use super::{OpenProject, session::Session};
-use crate::document::{CameraId, Document, Frame, FrameStatus};
+use crate::document::{CameraId, Document, Frame};
 
 /// What the quality page shows of one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -80,9 +80,7 @@ impl Quality {
 
 /// The accepted frames of a camera that their paint contradicts.
 fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
-    let is_off = |frame: &Frame| {
-        frame.status == FrameStatus::Reference && frame.camera == *camera && frame.contradicting_paint().is_some()
-    };
+    let is_off = |frame: &Frame| frame.camera == *camera && frame.accepted_off_paint().is_some();
     document.frames.iter().enumerate().filter(|(_, frame)| is_off(frame)).map(|(index, _)| index).collect()
 }
 

@@ -148,7 +148,7 @@ impl App {
         self.session.forget_placed();
         if self.begin(format!("Delete {name}")) {
             if let Some(frame) = self.frame_mut() {
-                frame.remove_click(click);
+                frame.retain_clicks(|place, _| place != click);
             }
             self.session.selected = None;
             self.clicks_changed();

@@ -4,7 +4,6 @@ use super::App;
 use crate::app::review::percent;
 use crate::app::session::{Doubted, Level};
 use crate::app::{Command, sentence};
-use crate::document::LIKELY;
 use crate::solve::{IdentityKind, Verdict, Warning, WarningCode};
 
 impl App {
@@ -16,8 +15,7 @@ impl App {
 
     /// Why the frame's camera is probably wrong although no click contradicts it: the program's own doubt, or the paint.
     fn doubt_of_camera(&self) -> Option<String> {
-        let unlikely = self.frame()?.suggested_confidence().filter(|confidence| *confidence < LIKELY);
-        if let Some(confidence) = unlikely {
+        if let Some(confidence) = self.frame()?.unlikely() {
             return Some(format!("This proposal is right with a probability of only {}.", percent(confidence)));
         }
         let contradicted = self.frame()?.ptz.is_some() && self.is_contradicted(self.session.frame);

@@ -7,6 +7,7 @@ use crate::app::session::{Level, Mode, Snapping};
 use crate::calibrate::{record_found_by_paint, record_snapped};
 use crate::camera::PtzCamera;
 use crate::document::{Frame, FrameStatus};
+use crate::markings::LineVerdict;
 use crate::solve::{Judgement, Verdict};
 
 impl App {
@@ -144,9 +145,8 @@ impl App {
             return judgement;
         }
         let check = |reason| Judgement { verdict: Verdict::Check, reason };
-        let contradicted = judgement.is_some() && self.is_contradicted(self.session.frame);
-        let says = self.paint_says(self.session.frame).filter(|_| contradicted);
-        let of_paint = says.map(|says| check(says.describe()));
+        let says = self.paint_says(self.session.frame).filter(|says| says.verdict == LineVerdict::Contradicts);
+        let of_paint = says.filter(|_| judgement.is_some()).map(|says| check(says.describe()));
         let is_reference = || self.frame().is_some_and(|frame| frame.status == FrameStatus::Reference);
         let of_neighbours = || {
             // A proposal tells of its neighbours itself.

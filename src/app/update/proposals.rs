@@ -3,11 +3,9 @@
 use super::App;
 use crate::app::effect::Effect;
 use crate::app::session::{Level, Saving};
-use crate::calibrate::follow_bases;
+use crate::calibrate::follow_all_bases;
 use crate::document::Edit;
 use crate::proposals::{CarriedProposal, NoProposal, Proposal};
-use std::convert::Infallible;
-use std::ops::ControlFlow;
 
 impl App {
     /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
@@ -48,9 +46,7 @@ impl App {
             return;
         }
         let before = open.journalled.shown().clone();
-        let all: Vec<usize> = (0..open.document.frames.len()).collect();
-        let go_on = || ControlFlow::<Infallible>::Continue(());
-        let Ok(withdrawn) = follow_bases(&mut open.document, &before, &all, &go_on);
+        let withdrawn = follow_all_bases(&mut open.document, &before);
         self.tell_withdrawn(withdrawn);
     }
 

@@ -161,7 +161,7 @@ fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, p
         FrameStatus::Rejected if frame.reason.is_none() => problem(Fault::NoReason),
         _ => {}
     }
-    if let Some(paint) = frame.contradicting_paint().filter(|_| frame.status == FrameStatus::Reference) {
+    if let Some(paint) = frame.accepted_off_paint() {
         problem(Fault::OffPaint { found: paint.found, open: paint.open() });
     }
     check_view(document, frame, field, problem);

@@ -56,6 +56,14 @@ impl<const SHARED: usize> Problem for Bundle<SHARED> {
     }
 }
 
+/// The equations of the frames that their clicks determine: one whose own parameters they leave open says nothing about the base.
+pub(super) fn determined<const SHARED: usize>(
+    mut equations: BorderedEquations<SHARED, 3>,
+) -> BorderedEquations<SHARED, 3> {
+    equations.blocks.retain(|block| block.own.try_inverse().is_some());
+    equations
+}
+
 /// The normal equations of one frame's clicks.
 pub(super) fn frame_equations<const SHARED: usize>(
     shared: &Shared,
@@ -77,14 +85,6 @@ impl<const SHARED: usize> Bundle<SHARED> {
         /// A step that lowers the cost by less than this share of it is the last.
         const SMALL_GAIN: f64 = 1e-10;
         minimise(self, start, Stopping { max_iterations, short_step: 0.0, small_gain: SMALL_GAIN })
-    }
-
-    /// The normal equations at a state of the frames that its clicks determine.
-    pub fn determined(&self, at: &BundleState) -> BorderedEquations<SHARED, 3> {
-        let mut equations = self.equations(at);
-        // A frame whose own parameters its clicks leave open says nothing about the base.
-        equations.blocks.retain(|block| block.own.try_inverse().is_some());
-        equations
     }
 
     /// By how much the clicks' variance exceeds what is stated, at least 1: the median of their χ², each over what it should be.
@@ -118,12 +118,14 @@ impl<const SHARED: usize> Bundle<SHARED> {
     /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of landmarks that lie off
     /// their places. Infinite if singular.
     pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
-        let Some(inverse) = self.determined(at).reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse()) else {
+        let equations = self.equations(at);
+        let inverse = determined(equations.clone()).reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse());
+        let Some(inverse) = inverse else {
             return SMatrix::from_diagonal_element(f64::INFINITY);
         };
         let mut scatter = Scatter::default();
         let BundleState { shared, ptz } = at;
-        for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&self.equations(at).blocks) {
+        for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&equations.blocks) {
             let alone = |click: &BaseClick| {
                 let equations = frame_equations(shared, *ptz, std::slice::from_ref(click), self.loss);
                 (Residual::<2, SHARED, 3>::element(click), click.equations(), equations)

@@ -3,13 +3,13 @@
 //! A model without distortion, with a level pitch or with its principal point in the middle leaves out what is there. What it leaves out
 //! is known as well as its prior says, and errs along with everything that is adjusted beside it.
 
-use super::bundle::{Bundle, BundleState};
+use super::bundle::{Bundle, BundleState, determined};
 use super::parameters::{OF_BASE, PRINCIPAL_POINT, free_parameters};
 use super::shared_prior::SharedPrior;
 use super::{BaseModel, CrownModel, LensModel, Prescribed};
 use crate::camera::SharedCovariance;
 use crate::field::FieldModel;
-use crate::geometry::ImagePoint;
+use crate::solve::least_squares::Problem as _;
 use nalgebra::{SMatrix, Vector2};
 
 /// A base as it was adjusted.
@@ -44,10 +44,11 @@ impl Adjusted<'_> {
         if self.model.principal_point.is_some() || self.prescribed.principal_point {
             return covariance;
         }
-        let held = bundle.determined(self.state).reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse());
-        let middle: ImagePoint = self.state.shared.base.principal_point;
-        bundle.free = free_parameters(&BaseModel { principal_point: Some(middle), ..uncertain });
-        let with_all = bundle.determined(self.state).reduced(0.0);
+        let mut equations = determined(bundle.equations(self.state));
+        let held = equations.reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse());
+        let middle = Some(self.state.shared.base.principal_point);
+        equations.free = free_parameters(&BaseModel { principal_point: middle, ..uncertain });
+        let with_all = equations.reduced(0.0);
         let (Some(inverse), Some((information, _))) = (held, with_all) else { return covariance };
         // Everything else moves by −H⁻¹ B for each px that the principal point is off.
         let mut mixed = information.fixed_columns::<2>(PRINCIPAL_POINT).into_owned();
