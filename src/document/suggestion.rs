@@ -45,6 +45,20 @@ impl Frame {
         self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
     }
 
+    /// Whether another version of it, or its removal, lacks something that a person made here: the clicks with the decision, the
+    /// comment, masks, or landmarks clicked again.
+    pub(crate) fn gives_way_to(&self, other: Option<&Self>) -> bool {
+        let mine = self.without_suggestion();
+        let Some(theirs) = other.map(Self::without_suggestion) else {
+            return !mine.is_untouched() || mine.comment.is_some();
+        };
+        let labels = |frame: &Self| (frame.clicks.clone(), frame.status, frame.reason);
+        (!mine.is_untouched() && labels(&mine) != labels(&theirs))
+            || (mine.comment.is_some() && mine.comment != theirs.comment)
+            || (!mine.masks.is_empty() && mine.masks != theirs.masks)
+            || (!mine.repeats.is_empty() && mine.repeats != theirs.repeats)
+    }
+
     /// Whether its camera, or the reason why it has none, is the program's alone: no click, and nobody has decided on it.
     pub(crate) fn shows_suggestion(&self) -> bool {
         self.clicks.is_empty()

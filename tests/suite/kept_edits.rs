@@ -166,7 +166,8 @@ impl World {
         }
         let now = marks_in(&window.app);
         self.live.retain(|mark| !before.contains(mark) || now.contains(mark));
-        self.live.extend(now);
+        // What it brings back, and not what others have taken back meanwhile.
+        self.live.extend(now.difference(&before).cloned());
         settle(window);
     }
 
@@ -203,12 +204,18 @@ impl World {
             1 => click(&mut document, frame),
             _ => {}
         }
+        // What its author has before them and writes over is taken back, as in the window.
+        for taken_back in marks(&document.frames[frame]) {
+            self.live.remove(&taken_back);
+        }
         document.frames[frame].comment = Some(mark.clone());
         // Another touchline counts its edits, a script does not.
         document.frames[frame].revision += self.random.random_range(0..2);
+        // The backup is of one version only, and the next save replaces it.
+        let backup = fs::read_to_string(self.folder.path().join("project.json.bak")).unwrap_or_default();
         let before = self.everything();
         fs::write(&file, document_to_string(&document).unwrap()).unwrap();
-        let after = self.everything();
+        let after = self.everything().replace(&backup, "");
         self.live.retain(|mark| after.contains(mark) || !before.contains(mark));
         self.live.insert(mark);
         let on_disk = self.files();

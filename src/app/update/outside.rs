@@ -146,7 +146,7 @@ impl App {
             level = Level::Warning;
         }
         if !replaced.is_empty() {
-            sentences.push(format!("Labels taken from the other version: {}.", name_some(replaced)));
+            sentences.push(format!("Taken from the other version: {}.", name_some(replaced)));
             level = Level::Warning;
         }
         match solved {
@@ -165,15 +165,10 @@ impl App {
     }
 }
 
-/// The frames with clicks or a decision in which a merge put others in their place, or that it removed.
+/// The frames in which a merge put something else in place of what a person made, or that it removed.
 fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
-    let labels = before.frames.iter().filter(|frame| !frame.without_suggestion().is_untouched());
-    labels.filter(|frame| gives_way(frame, now)).map(|frame| frame.name()).collect()
-}
-
-/// Whether a document has other clicks or another decision in a frame, or lacks it.
-fn gives_way(frame: &Frame, now: &Document) -> bool {
-    now.frames.by_id(&frame.id).is_none_or(|now| (&now.clicks, now.status) != (&frame.clicks, frame.status))
+    let replaced = before.frames.iter().filter(|frame| frame.gives_way_to(now.frames.by_id(&frame.id).map(|now| &**now)));
+    replaced.map(|frame| frame.name()).collect()
 }
 
 /// The first of some names; the rest is counted.

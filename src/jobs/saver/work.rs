@@ -62,8 +62,8 @@ impl<'a> Work<'a> {
             }
         }
         self.journal();
-        // Another program may have replaced what was written, and nobody would keep what stood there.
-        let is_replaced = || self.latest_revision > 0 && !matches!(self.store.since(), Ok(None));
+        // Another program may have replaced what was read or written here, and nobody else would keep what stood there.
+        let is_replaced = || !matches!(self.store.since(), Ok(None));
         if self.behind_since.is_some() || is_replaced() {
             self.save(Others::Stay);
         }
