@@ -5,11 +5,12 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use crate::calibrate::{
-    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip,
+    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, length_on_lines, record_tracked, track_clip,
 };
 use crate::document::{Document, Fields};
 use crate::geometry::counted;
 use crate::media::FrameReader;
+use crate::solve::base::FittedSize;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 
@@ -83,9 +84,40 @@ pub struct CarriedFrames {
 /// Carries the cameras of a document's clips to their other frames. A clip that cannot be carried is named, and the others go on;
 /// `is_stopped` ends it within a clip, and keeps those before.
 ///
+/// Where the carried frames show that the field has another length than was assumed, the length is taken and carrying done again.
+///
 /// # Errors
 /// The field is not valid.
 pub fn carry(
+    document: &mut Document,
+    folder: &Path,
+    within: Option<&RangeInclusive<usize>>,
+    options: &TrackClipOptions,
+    is_stopped: &dyn Fn() -> bool,
+    messages: Messages,
+) -> anyhow::Result<CarriedFrames> {
+    let before = document.clone();
+    let carried = carry_once(document, folder, within, options, is_stopped, messages)?;
+    if carried.is_stopped || carried.frames == 0 {
+        return Ok(carried);
+    }
+    let Some(found) = length_on_lines(document.at(folder), &mut FrameReader::new())? else { return Ok(carried) };
+    let FittedSize { assumed_m, value_m, sigma_m, .. } = found.size;
+    let seen =
+        format!("the painted lines of {} frames ask for a length of {value_m:.2} ± {sigma_m:.2} m", found.frames);
+    if found.is_prescribed {
+        messages.note(&format!("{seen}; {assumed_m} m is stated, and stays"));
+        return Ok(carried);
+    }
+    messages.note(&format!("{seen}, where {assumed_m} m was assumed: carrying again"));
+    // From the cameras that were known before: carried ones hold nothing.
+    *document = before;
+    document.take_length(&found);
+    carry_once(document, folder, within, options, is_stopped, messages)
+}
+
+/// Carries the cameras of each clip once.
+fn carry_once(
     document: &mut Document,
     folder: &Path,
     within: Option<&RangeInclusive<usize>>,

@@ -12,7 +12,16 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The folder is missing or not writable, or the disk is full; the old file is untouched.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_whole(path, bytes, true)
+    write_whole(path, bytes, true, &|| false).map(drop)
+}
+
+/// Writes a file as [`write_atomically`] does, unless another program has replaced the old one meanwhile: that is asked last of all,
+/// as flushing takes long enough for a sync client to come between. Whether it was written.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub(super) fn write_unless_replaced(path: &Path, bytes: &[u8], is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
+    write_whole(path, bytes, true, is_replaced)
 }
 
 /// Writes a file that was not there: one that another program made meanwhile is not replaced.
@@ -20,10 +29,10 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// Something is there by now; else as [`write_atomically`].
 pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_whole(path, bytes, false)
+    write_whole(path, bytes, false, &|| false).map(drop)
 }
 
-fn write_whole(path: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
+fn write_whole(path: &Path, bytes: &[u8], replace: bool, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
     let folder = folder_of(path);
     let mut file = calls::temporary_in(folder)?;
     calls::write_all(file.as_file_mut(), bytes)?;
@@ -31,8 +40,12 @@ fn write_whole(path: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
         file.as_file().set_permissions(old.permissions())?;
     }
     calls::flush(file.as_file(), file.path())?;
+    if is_replaced() {
+        return Ok(false);
+    }
     calls::persist(file, path, replace)?;
-    calls::flush_folder(folder)
+    calls::flush_folder(folder)?;
+    Ok(true)
 }
 
 /// Writes a result to the place that a user named. A regular file is replaced as by [`write_atomically`], one behind a link

@@ -1,6 +1,9 @@
 //! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
 
-use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new, write_output};
+use super::atomic::{
+    copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new, write_output,
+    write_unless_replaced,
+};
 use super::calls;
 use super::history_file::{self, HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, Journal, JournalContent, Pending, hash_of};
@@ -433,7 +436,8 @@ impl Store {
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
         // The file is asked and not what is remembered of it: another program may have replaced it.
-        let is_there = read_regular(path).is_ok_and(|bytes| hash_of(&bytes) == hash);
+        let replaced = self.hash_on_disk();
+        let is_there = replaced.as_ref() == Some(&hash);
         let changes = !is_there || !self.has_written(&hash);
         if changes {
             self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
@@ -451,7 +455,10 @@ impl Store {
         } else if changes {
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
-            self.write_text(&text).map_err(|source| StoreError::from_io("write", path, source))?;
+            let is_written = self.write_text(&text, &|| self.hash_on_disk() != replaced);
+            if !is_written.map_err(|source| StoreError::from_io("write", path, source))? {
+                return Err(StoreError::ChangedOutside { path: path.to_path_buf() });
+            }
         }
         self.opened.get_or_insert_with(|| document.clone());
         self.written = Some((document.clone(), hash.clone()));
@@ -460,14 +467,19 @@ impl Store {
         self.journal.restart(&hash).map_err(|source| self.journal_error(source))
     }
 
-    /// Writes the document's file. On a full disk the history gives way to it.
-    fn write_text(&self, text: &str) -> io::Result<()> {
+    /// The hash of the document's file as it is now; none where it cannot be read.
+    fn hash_on_disk(&self) -> Option<DocumentHash> {
+        read_regular(self.location.file()).ok().map(|bytes| hash_of(&bytes))
+    }
+
+    /// Writes the document's file, unless another program replaces it meanwhile. On a full disk the history gives way to it.
+    fn write_text(&self, text: &str, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
         let path = self.location.file();
         let is_full =
             |error: &io::Error| matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded);
-        match write_atomically(path, text.as_bytes()) {
+        match write_unless_replaced(path, text.as_bytes(), is_replaced) {
             Err(error) if is_full(&error) && history_file::remove(&self.location.history()).is_ok() => {
-                write_atomically(path, text.as_bytes())
+                write_unless_replaced(path, text.as_bytes(), is_replaced)
             }
             written => written,
         }
@@ -537,7 +549,8 @@ impl DocumentStore for Store {
             Ok(None) => return Ok(None),
             Ok(Some(Outside { mut base, theirs })) => {
                 // Revisions cannot tell a later state from a fork of an earlier one with as many edits: what theirs lacks is kept.
-                let is_in_theirs = |frame: &Frame| !frame.gives_way_to(theirs.frames.by_id(&frame.id).map(|now| &**now));
+                let is_in_theirs =
+                    |frame: &Frame| !frame.gives_way_to(theirs.frames.by_id(&frame.id).map(|now| &**now));
                 base.frames = base.frames.iter().filter(|frame| is_in_theirs(frame)).cloned().collect();
                 base
             }

@@ -9,12 +9,13 @@ use crate::review_in_app::proposal_in;
 use crate::seeded::rng;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
-use touchline::app::session::{Dialog, Saving};
+use touchline::app::session::{Dialog, Notice, Saving};
 use touchline::app::{Action, App, Command, OutsideChoice};
 use touchline::calibrate::{check_solutions, solve_document};
 use touchline::camera::{CameraBase, Ptz, PtzCamera};
@@ -211,14 +212,12 @@ impl World {
         document.frames[frame].comment = Some(mark.clone());
         // Another touchline counts its edits, a script does not.
         document.frames[frame].revision += self.random.random_range(0..2);
-        // The backup is of one version only, and the next save replaces it.
-        let backup = fs::read_to_string(self.folder.path().join("project.json.bak")).unwrap_or_default();
         let before = self.everything();
         fs::write(&file, document_to_string(&document).unwrap()).unwrap();
-        let after = self.everything().replace(&backup, "");
+        let after = self.lasting();
         self.live.retain(|mark| after.contains(mark) || !before.contains(mark));
         self.live.insert(mark);
-        let on_disk = self.files();
+        let on_disk = self.files(false);
         self.exposed = self.live.iter().filter(|mark| !on_disk.contains(*mark)).cloned().collect();
     }
 
@@ -227,7 +226,7 @@ impl World {
     fn forget_exposed(&mut self, cannot_look: bool) {
         let exposed = std::mem::take(&mut self.exposed);
         if cannot_look {
-            let on_disk = self.files();
+            let on_disk = self.files(false);
             self.live.retain(|mark| !exposed.contains(mark) || on_disk.contains(mark));
         }
     }
@@ -236,11 +235,15 @@ impl World {
         let choices = [OutsideChoice::Merge, OutsideChoice::Replace, OutsideChoice::TakeTheirs];
         let choice = choices[self.random.random_range(0..3)];
         self.tell(format!("answer {choice:?}"));
+        let before = marks_in(&window.app);
         window.act(Action::ResolveOutside(choice));
         if choice == OutsideChoice::TakeTheirs {
             window.wait_until("the other version", |app| app.session.opening.is_none());
         } else {
             window.wait_until("the answer", |app| app.session.changed_outside.is_none());
+        }
+        if choice == OutsideChoice::Merge {
+            self.take_back_named(window, &before);
         }
         settle(window);
     }
@@ -260,25 +263,54 @@ impl World {
         window.act(Action::CloseDialog);
         let Some(orphan) = window.app.session.orphans.first().map(|orphan| orphan.path.clone()) else { return };
         self.tell(format!("merge {}", orphan.file_name().unwrap().to_string_lossy()));
-        window.act(Action::MergeOrphan(orphan.clone()));
-        window.wait_until("merging", |app| app.session.orphans.iter().all(|known| known.path != orphan));
+        let before = marks_in(&window.app);
+        let told = window.app.session.notices.last().map_or(0, |notice| notice.id);
+        window.act(Action::MergeOrphan(orphan));
+        // What the window holds may be set aside again at once, under the same name; or it was put away with what it replaced.
+        let ends = ["The edits are merged", "cannot read"];
+        let is_told = |notice: &Notice| notice.id > told && ends.iter().any(|end| notice.text.starts_with(end));
+        window.wait_until("merging", |app| app.session.notices.iter().any(is_told));
+        self.take_back_named(window, &before);
         settle(window);
     }
 
-    /// All that is on disk, as text.
-    fn files(&self) -> String {
+    /// A person merges a version and is told what it replaces, with undo beside it: that is taken back, as by an edit. What a merge
+    /// replaces without a word is lost.
+    fn take_back_named(&mut self, window: &Headless, before: &BTreeSet<String>) {
+        let now = marks_in(&window.app);
+        let is_named =
+            |text: &str| text.contains("Changed on both sides") || text.contains("Taken from the other version");
+        if window.app.session.notices.iter().any(|notice| is_named(&notice.text)) {
+            self.live.retain(|mark| !before.contains(mark) || now.contains(mark));
+        }
+    }
+
+    /// What is kept on disk, as text. Steps of undo and the state that a version set aside started from keep nothing: they serve
+    /// one version of the document.
+    fn files(&self, with_backup: bool) -> String {
         let mut text = String::new();
-        for entry in fs::read_dir(self.folder.path()).unwrap().flatten() {
-            // What is written to be renamed may have been.
-            text += &String::from_utf8_lossy(&fs::read(entry.path()).unwrap_or_default());
+        for (name, bytes) in contents(self.folder.path()) {
+            let name = name.to_string_lossy();
+            if !name.ends_with(".history") && !name.ends_with(".base") && (with_backup || !name.ends_with(".bak")) {
+                text += &String::from_utf8_lossy(&bytes);
+            }
         }
         text
     }
 
     /// All that is kept anywhere, as text.
     fn everything(&self) -> String {
+        self.files(true) + &self.open_document()
+    }
+
+    /// What stays whatever is saved next: the backup is of one version only, and the next save replaces it.
+    fn lasting(&self) -> String {
+        self.files(false) + &self.open_document()
+    }
+
+    fn open_document(&self) -> String {
         let open = self.window.as_ref().and_then(|window| window.app.open());
-        self.files() + &open.map(|open| document_to_string(&open.document).unwrap()).unwrap_or_default()
+        open.map(|open| document_to_string(&open.document).unwrap()).unwrap_or_default()
     }
 
     /// Once the window has seen what others did, it has kept what it holds.
@@ -360,12 +392,25 @@ fn marks_in(app: &App) -> BTreeSet<String> {
     app.open().unwrap().document.frames.iter().flat_map(|frame| marks(frame)).collect()
 }
 
+/// Copies the files of a folder as they are at one moment, as a kill leaves them.
 fn copy_files(from: &Path, to: &Path) {
-    for entry in fs::read_dir(from).unwrap().flatten() {
-        if entry.path().is_file() {
-            fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+    let mut before = contents(from);
+    loop {
+        let now = contents(from);
+        if now == before {
+            break;
         }
+        before = now;
     }
+    for (name, bytes) in before {
+        fs::write(to.join(name), bytes).unwrap();
+    }
+}
+
+/// The files of a folder by name; one that is renamed between listing and reading is left out.
+fn contents(folder: &Path) -> BTreeMap<OsString, Vec<u8>> {
+    let entries = fs::read_dir(folder).unwrap().flatten();
+    entries.filter_map(|entry| Some((entry.file_name(), fs::read(entry.path()).ok()?))).collect()
 }
 
 #[test]

@@ -81,5 +81,6 @@ mod trust;
 mod two_point_truth;
 mod undo_after_restart;
 mod undo_in_app;
+mod unseen_length;
 mod which_camera;
 mod window_command;

@@ -60,3 +60,13 @@ pub(super) fn confidence(
     };
     right.min(AT_MOST) * if is_contradicted { CONTRADICTED } else { 1.0 }
 }
+
+/// How much of its certainty a camera keeps where the lines of the field's middle may lie off by this much, 1-σ, px: the rest of its
+/// picture stays right.
+pub(super) fn certainty_under_length(sigma_px: f64, size: ImageSize) -> f64 {
+    if sigma_px == 0.0 {
+        return 1.0;
+    }
+    let right = 1.0 - (-0.5 * (RIGHT_PX * size.scale_from_1920() / sigma_px).powi(2)).exp();
+    right + CONTRADICTED * (1.0 - right)
+}

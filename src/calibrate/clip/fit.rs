@@ -53,6 +53,15 @@ pub(super) struct FittedClip {
     pub painted: usize,
     /// Frames for whose earlier camera the paint speaks more.
     pub kept: BTreeSet<usize>,
+    /// Whether the paint of some frame lies as on a field of another length.
+    pub is_of_other_field: bool,
+}
+
+/// What the paint says about the frames of a clip where the last adjustment has put them.
+struct Judged {
+    paint: Vec<PaintVerdict>,
+    kept: BTreeSet<usize>,
+    is_of_other_field: bool,
 }
 
 impl ClipFit<'_> {
@@ -81,8 +90,8 @@ impl ClipFit<'_> {
                 break;
             }
         }
-        let (paint, kept) = self.judge(&adjusted, reader, evidence, watch)?;
-        Ok(FittedClip { adjusted, paint, painted, kept })
+        let Judged { paint, kept, is_of_other_field } = self.judge(&adjusted, reader, evidence, watch)?;
+        Ok(FittedClip { adjusted, paint, painted, kept, is_of_other_field })
     }
 
     /// Adjusts all frames to the points, the known cameras and those aligned to paint.
@@ -129,11 +138,11 @@ impl ClipFit<'_> {
         reader: &mut dyn ReadFrames,
         evidence: &ClipEvidence,
         watch: WatchClip<'_>,
-    ) -> Result<(Vec<PaintVerdict>, BTreeSet<usize>), TrackClipError> {
-        let mut paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
-        let mut kept = BTreeSet::new();
+    ) -> Result<Judged, TrackClipError> {
+        let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
+        let mut judged = Judged { paint, kept: BTreeSet::new(), is_of_other_field: false };
         if self.options.paint_every == 0 {
-            return Ok((paint, kept));
+            return Ok(judged);
         }
         let earlier: BTreeMap<usize, Ptz> = self.earlier().map(|anchor| (anchor.frame, anchor.ptz)).collect();
         let asked = self.frames_to_ask(adjusted);
@@ -144,17 +153,18 @@ impl ClipFit<'_> {
             let verdict = match (known, other) {
                 (Some(verdict), None) => verdict,
                 (known, other) => {
-                    let (verdict, keeps_earlier) = self.look_again(reader, frame, ptz, other.copied())?;
+                    let (check, keeps_earlier) = self.look_again(reader, frame, ptz, other.copied())?;
                     if keeps_earlier {
-                        kept.insert(frame);
+                        judged.kept.insert(frame);
                     }
-                    known.unwrap_or(verdict)
+                    judged.is_of_other_field |= !self.is_size_fitted && check.is_of_other_field();
+                    known.unwrap_or_else(|| self.verdict_of(&check))
                 }
             };
-            let next = asked.get(done + 1).map_or(paint.len(), |next| next.0);
-            paint[frame..next].iter_mut().take(self.options.paint_every).for_each(|paint| *paint = verdict);
+            let next = asked.get(done + 1).map_or(judged.paint.len(), |next| next.0);
+            judged.paint[frame..next].iter_mut().take(self.options.paint_every).for_each(|paint| *paint = verdict);
         }
-        Ok((paint, kept))
+        Ok(judged)
     }
 
     /// What the paint says about a frame's adjusted camera, and whether it speaks more for the one that the frame had earlier.
@@ -164,13 +174,13 @@ impl ClipFit<'_> {
         frame: usize,
         ptz: Ptz,
         earlier: Option<Ptz>,
-    ) -> Result<(PaintVerdict, bool), TrackClipError> {
+    ) -> Result<(LineCheck, bool), TrackClipError> {
         let shown = self.pictures.read_masked(reader, frame)?;
         let ground = GroundPicture::new(&shown.picture, &shown.masks);
         let check = |ptz: Ptz| check_lines(&ground, self.field, &PtzCamera::new(*self.base, ptz));
         let now = check(ptz);
         let keeps_earlier = earlier.is_some_and(|earlier| !may_replace(&check(earlier), &now));
-        Ok((self.verdict_of(&now), keeps_earlier))
+        Ok((now, keeps_earlier))
     }
 
     /// What a line check says about a camera.

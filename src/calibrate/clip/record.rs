@@ -1,6 +1,7 @@
 //! Tracked cameras, written into their document.
 
 use super::track::{TrackedClip, TrackedFrame};
+use crate::calibrate::LENGTH_UNSEEN;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning};
 
@@ -8,7 +9,7 @@ use crate::document::{Document, Frame, FramePtz, FrameStatus, Solution, Solution
 pub const SIDES_DIFFER: &str = "sides_differ";
 
 /// Cameras that differ by more than this are warned of, px at 1920 px width.
-const DIFFER_PX: f64 = 5.0;
+pub(super) const DIFFER_PX: f64 = 5.0;
 
 /// The key under which a smoothed frame keeps its camera as it was before.
 const RAW: &str = "raw_ptz";
@@ -59,6 +60,12 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
     if tracked.contradicted {
         let message = "the painted lines are not where this camera projects them".to_owned();
         solution.warnings.push(SolutionWarning::new(crate::calibrate::paint::LINE_CHECK, message));
+    }
+    if let Some(px) = tracked.length_px {
+        let message = format!(
+            "the field's length is assumed, and the lines about its middle may lie ±{px:.0} px off: state the length, or click a landmark there"
+        );
+        solution.warnings.push(SolutionWarning::new(LENGTH_UNSEEN, message));
     }
     if let Some(raw) = tracked.raw {
         keep_raw(&mut solution, &clip.base, raw);

@@ -1,16 +1,20 @@
 //! Cameras of a clip's frames from those that are known: points followed, carried, adjusted, held to the paint, smoothed.
 
 use super::anchors::anchors;
-use super::certainty::{PaintVerdict, confidence, with_common};
+use super::certainty::{PaintVerdict, certainty_under_length, confidence, with_common};
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip};
 use super::frames::ClipFrames;
 use super::options::{TrackClipOptions, WatchClip};
 use super::pictures::ClipPictures;
+use super::record::DIFFER_PX;
+use crate::calibrate::size_fit::OpenSize;
+use crate::calibrate::unseen_length::UnseenLength;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{DocumentAt, FieldSize, FrameStatus};
 use crate::field::FieldModel;
+use crate::geometry::ImageSize;
 use crate::media::ReadFrames;
 use crate::solve::Uncertainty;
 use crate::track::{AdjustedClip, Anchor, Carried, Jitter, SmoothOptions, Unsmoothed, carry, smooth};
@@ -33,6 +37,9 @@ pub struct TrackedFrame {
     pub apart_px: Option<f64>,
     /// Whether its painted lines contradict.
     pub contradicted: bool,
+    /// 1-σ by which the lines of the field's middle may lie off, because nobody has measured its length, px; none where it is known, or
+    /// hardly matters here.
+    pub length_px: Option<f64>,
 }
 
 /// A frame that a person decided on, on the smoothed motion as far as its own 1-σ allows.
@@ -115,7 +122,8 @@ pub fn track_clip(
     evidence.with_base(&base);
     let anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
     let carried = carry(&base, &tracks, &anchors, &options.carry);
-    let is_size_fitted = *document.field_of_camera(&clip.camera).size() == FieldSize::Fitted;
+    let spec = document.field_of_camera(&clip.camera);
+    let is_size_fitted = *spec.size() == FieldSize::Fitted;
     let fit = ClipFit {
         base: &base,
         field,
@@ -126,7 +134,16 @@ pub fn track_clip(
         is_size_fitted,
         options,
     };
-    let FittedClip { adjusted, paint, painted, kept } = fit.adjust_to_paint(reader, evidence, watch)?;
+    let FittedClip { adjusted, paint, painted, kept, is_of_other_field } =
+        fit.adjust_to_paint(reader, evidence, watch)?;
+    let is_length_open = *spec.size() == FieldSize::Assumed || is_of_other_field;
+    let open = spec.template(at.folder).ok().filter(|_| is_length_open).map(|template| OpenSize::new(template, field));
+    let shown: Vec<(Ptz, ImageSize)> = anchors
+        .iter()
+        .filter(|anchor| paint[anchor.frame] != PaintVerdict::Contradicts)
+        .map(|anchor| (anchor.ptz, size))
+        .collect();
+    let unseen = open.as_ref().and_then(|open| UnseenLength::new(open, field, &base, &shown));
 
     let raw: Vec<Option<Ptz>> = adjusted.frames.iter().map(|frame| frame.map(|frame| frame.ptz)).collect();
     let smoothed = if options.smooth { smoothed(at, clip, &adjusted) } else { raw.clone() };
@@ -167,7 +184,10 @@ pub fn track_clip(
             continue;
         };
         let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        let confidence = certain * confidence(&camera, &uncertainty, size, apart_px, paint[frame]);
+        let by_length_px = unseen.as_ref().map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
+        let confidence = certain
+            * confidence(&camera, &uncertainty, size, apart_px, paint[frame])
+            * certainty_under_length(by_length_px, size);
         if kept.contains(&frame) {
             tracked.kept += 1;
             continue;
@@ -180,6 +200,7 @@ pub fn track_clip(
             confidence,
             apart_px,
             contradicted: paint[frame] == PaintVerdict::Contradicts,
+            length_px: Some(by_length_px).filter(|px| *px > DIFFER_PX * size.scale_from_1920()),
         });
     }
     Ok(tracked)
