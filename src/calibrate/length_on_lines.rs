@@ -137,7 +137,8 @@ fn length_by_camera(
     let peaks: Vec<f64> = (0..doubted.len()).filter_map(|look| peak_of(&lengths, &table, look)).collect();
     let spread_m = mean(&peaks.iter().map(|peak_m| (peak_m - value_m).powi(2)).collect::<Vec<_>>()).sqrt();
     let sigma_m = spread_m.max(FLOOR_M);
-    let size = FittedSize { name: LENGTH.to_owned(), assumed_m, value_m, sigma_m, position_sigma_m: Vec3::zeros() };
+    let name = LENGTH.to_owned();
+    let size = FittedSize { name, assumed_m, value_m, sigma_m, position_sigma_m: Vec3::zeros(), is_open: false };
     let shifts = vec![(camera.id.clone(), unseen.base_shift(value_m))];
     let is_prescribed = *spec.size() != FieldSize::Assumed;
     Ok(Some(LengthOnLines { size, shifts, frames: doubted.len(), is_prescribed }))

@@ -122,8 +122,8 @@ impl Document {
             // A hundredth of a metre is more than clicks can tell.
             let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
             // What the frames do not show stays as it was assumed.
-            field.params.extend(sizes.iter().filter(|size| !size.is_open()).map(rounded));
-            if sizes.iter().all(|size| !size.is_open()) {
+            field.params.extend(sizes.iter().filter(|size| !size.is_open).map(rounded));
+            if sizes.iter().all(|size| !size.is_open) {
                 field.size = Some(FieldSize::Fitted);
             }
         }
@@ -137,7 +137,7 @@ const WORTH_SAYING_M: f64 = 0.2;
 #[must_use]
 pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");
-    if size.is_open() {
+    if size.is_open {
         let (assumed_m, sigma_m) = (size.assumed_m, size.sigma_m);
         return format!(
             "{what} {assumed_m} m is assumed: the frames do not show it (± {sigma_m:.1} m). What they show lies right; state the field's {what} if it is another"

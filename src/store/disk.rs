@@ -155,7 +155,8 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let written = Some((written, hash.clone()));
     let mut store = Store::begun(location.clone(), journal, written, lock);
     if damage == Damage::Misfit {
-        store.write(&document, Some(&history))?;
+        let on_disk = store.hash_on_disk()?;
+        store.write(&document, Some(&history), on_disk.as_ref())?;
     } else if recovery.edits.is_empty() {
         store.journal.restart(&hash).map_err(io)?;
     } else {
@@ -354,7 +355,8 @@ impl Store {
         set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0).map_err(io)?;
         let mut store = Self::begun(location.clone(), journal, None, lock);
-        store.write(document, None)?;
+        let on_disk = store.hash_on_disk()?;
+        store.write(document, None, on_disk.as_ref())?;
         Ok(store)
     }
 
@@ -377,10 +379,11 @@ impl Store {
     /// Another program changed the file since, or it cannot be written. Whatever fails, the file on disk is whole and the
     /// journal still holds every edit.
     pub fn save(&mut self, document: &Document, history: &History<Document>) -> Result<(), StoreError> {
-        if self.changed_outside()? {
+        let on_disk = self.hash_on_disk()?;
+        if self.is_of_others(on_disk.as_ref()) {
             return Err(StoreError::ChangedOutside { path: self.location.file().to_path_buf() });
         }
-        self.write(document, Some(history))
+        self.write(document, Some(history), on_disk.as_ref())
     }
 
     /// Writes the document although another program changed the file; that version is set aside, and its name returned.
@@ -394,11 +397,12 @@ impl Store {
     ) -> Result<Option<PathBuf>, StoreError> {
         let path = self.location.file().to_path_buf();
         let (mut kept, mut theirs) = (None, None);
-        if self.changed_outside()? {
+        let on_disk = self.hash_on_disk()?;
+        if self.is_of_others(on_disk.as_ref()) {
             theirs = read_document(&self.location).ok();
             kept = Some(copy_aside(&path, "outside").map_err(|source| StoreError::from_io("copy", &path, source))?);
         }
-        self.write(document, Some(history))?;
+        self.write(document, Some(history), on_disk.as_ref())?;
         if let Some((theirs, _)) = theirs {
             self.opened = Some(theirs);
         }
@@ -408,18 +412,24 @@ impl Store {
         Ok(kept)
     }
 
-    /// Whether another program changed the file since it was last read or written. A file that is gone counts as
-    /// unchanged: there is nothing to lose.
+    /// Whether another program changed the file since it was last read or written.
     fn changed_outside(&self) -> Result<bool, StoreError> {
+        Ok(self.is_of_others(self.hash_on_disk()?.as_ref()))
+    }
+
+    /// The hash of the document's file as it is now; none where it is gone.
+    fn hash_on_disk(&self) -> Result<Option<DocumentHash>, StoreError> {
         let path = self.location.file();
         match read_regular(path) {
-            Ok(bytes) => {
-                let hash = hash_of(&bytes);
-                Ok(!self.has_written(&hash) && self.announced.as_ref() != Some(&hash))
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+            Ok(bytes) => Ok(Some(hash_of(&bytes))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(source) => Err(StoreError::from_io("read", path, source)),
         }
+    }
+
+    /// Whether a file was written by another program. One that is gone counts as ours: there is nothing to lose.
+    fn is_of_others(&self, on_disk: Option<&DocumentHash>) -> bool {
+        on_disk.is_some_and(|hash| !self.has_written(hash) && self.announced.as_ref() != Some(hash))
     }
 
     /// Whether the document of this hash is what was last read or written here.
@@ -427,17 +437,21 @@ impl Store {
         self.written.as_ref().is_some_and(|(_, written)| written == hash)
     }
 
-    /// Writes the document. A history that is given is written just before it, so that after a crash between the two it
-    /// belongs to what the journal leads to.
-    fn write(&mut self, document: &Document, history: Option<&History<Document>>) -> Result<(), StoreError> {
+    /// Writes the document in place of the file of the hash `on_disk`, and not of another that came meanwhile. A history that is given
+    /// is written just before it, so that after a crash between the two it belongs to what the journal leads to.
+    fn write(
+        &mut self,
+        document: &Document,
+        history: Option<&History<Document>>,
+        on_disk: Option<&DocumentHash>,
+    ) -> Result<(), StoreError> {
         self.settle_again()?;
         let path = self.location.file();
         let text =
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
         // The file is asked and not what is remembered of it: another program may have replaced it.
-        let replaced = self.hash_on_disk();
-        let is_there = replaced.as_ref() == Some(&hash);
+        let is_there = on_disk == Some(&hash);
         let changes = !is_there || !self.has_written(&hash);
         if changes {
             self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
@@ -455,7 +469,7 @@ impl Store {
         } else if changes {
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
-            let is_written = self.write_text(&text, &|| self.hash_on_disk() != replaced);
+            let is_written = self.write_text(&text, &|| self.hash_on_disk().ok().flatten().as_ref() != on_disk);
             if !is_written.map_err(|source| StoreError::from_io("write", path, source))? {
                 return Err(StoreError::ChangedOutside { path: path.to_path_buf() });
             }
@@ -465,11 +479,6 @@ impl Store {
         (self.behind, self.needs_whole) = (false, false);
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
         self.journal.restart(&hash).map_err(|source| self.journal_error(source))
-    }
-
-    /// The hash of the document's file as it is now; none where it cannot be read.
-    fn hash_on_disk(&self) -> Option<DocumentHash> {
-        read_regular(self.location.file()).ok().map(|bytes| hash_of(&bytes))
     }
 
     /// Writes the document's file, unless another program replaces it meanwhile. On a full disk the history gives way to it.

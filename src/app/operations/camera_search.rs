@@ -334,7 +334,7 @@ impl TwoCameras {
 fn describe_found(found: &UnclickedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
-    let assumed: String = found.sizes.iter().filter(|size| size.is_open()).map(describe_assumed).collect();
+    let assumed: String = found.sizes.iter().filter(|size| size.is_open).map(describe_assumed).collect();
     format!(
         "Camera found: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
          lines; look at some before you accept them.{assumed}",

@@ -22,6 +22,7 @@ use crate::document::{CameraId, DocumentAt, FrameStatus};
 use crate::geometry::ImageSize;
 use crate::media::Picture;
 use crate::paint::SnapOptions;
+use crate::solve::base::BaseOptions;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -191,8 +192,16 @@ impl Search<'_> {
         let Some(refined) = self.refined(&found.camera, picture)? else {
             return Err(uncertain(vec![Doubt::NotHeld], found.camera));
         };
-        let found = self.settled(found, Some(refined), looked_at.frames, picture)?;
-        self.judged(found, looked_at, least_snapped)
+        let mut settled = self.settled(found.clone(), Some(refined), looked_at.frames, picture)?;
+        if few_snapped(&settled, least_snapped).is_some() {
+            // The frames that already lay on their paint may have drawn the principal point away from where the others have it.
+            let centred = BaseOptions { placing_frames: usize::MAX, ..BaseOptions::default() };
+            if let Some(refined) = self.refined_by(&centred, &found.camera, picture)? {
+                let other = self.settled(found, Some(refined), looked_at.frames, picture)?;
+                settled = if other.snapped_count() > settled.snapped_count() { other } else { settled };
+            }
+        }
+        self.judged(settled, looked_at, least_snapped)
     }
 
     /// A camera where it was adjusted once more, its frames pulled onto their paint from there; as it is where it was not.
@@ -204,7 +213,8 @@ impl Search<'_> {
         picture: PictureOfFrame<'_>,
     ) -> Result<UnclickedCamera, Stop> {
         let Some(refined) = refined else { return Ok(place.camera) };
-        Ok(self.snapped(place.refined(refined, frames), frames, picture)?.camera)
+        let size = self.size(frames, &place.view_graph);
+        Ok(self.snapped(place.refined(refined, frames, size), frames, picture)?.camera)
     }
 
     /// The answer after its last adjustment, if enough of its frames agree with it, no line is missing and no click contradicts it.
@@ -229,8 +239,18 @@ impl Search<'_> {
     /// A camera adjusted once more to its frames' own pictures. The field's size is fitted where that is open, even where the usual one
     /// explained as much: this adjustment sees decimetres of it.
     fn refined(&self, found: &UnclickedCamera, picture: PictureOfFrame<'_>) -> Result<Option<Refined>, Stop> {
+        self.refined_by(&BaseOptions::default(), found, picture)
+    }
+
+    fn refined_by(
+        &self,
+        options: &BaseOptions,
+        found: &UnclickedCamera,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<Option<Refined>, Stop> {
         self.told(UnclickedProgress::Refining)?;
-        Refined::of((found, self.field_prior.is_size_unknown()), (self.document, self.camera), picture, self.watch)
+        let sized = self.field_prior.is_size_unknown();
+        Refined::of((found, sized), options, (self.document, self.camera), picture, self.watch)
     }
 
     /// The clicks that say where the camera stands.
@@ -366,7 +386,7 @@ fn few_snapped(found: &UnclickedCamera, least: f64) -> Option<Doubt> {
 /// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
 /// be metres off.
 fn open_size(found: &UnclickedCamera) -> Option<Doubt> {
-    let open = found.sizes.iter().find(|size| size.is_open())?;
+    let open = found.sizes.iter().find(|size| size.is_open)?;
     Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
 }
 

@@ -3,7 +3,7 @@
 
 use super::candidates::ViewGraph;
 use super::{UnclickedCamera, UnclickedFrame};
-use crate::camera::{CameraBase, PanTilt, PtzCamera};
+use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::paint::{Snapped, overlays_apart_px};
 use crate::solve::{Loss, Uncertainty};
@@ -87,13 +87,7 @@ impl Held {
     /// What a snapped camera says of its frame.
     fn hold(&self, frame: usize, snapped: &Snapped) -> Option<Hold> {
         let ptz = snapped.ptz;
-        let least = LEAST_SIGMA_PX * self.size.scale_from_1920() / ptz.focal_px;
-        let least_focal = 2.0 * LEAST_SIGMA_PX * self.size.scale_from_1920() / f64::from(self.size.width);
-        let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, ptz.focal_px.recip()));
-        let floor = Mat3::from_diagonal(&Vec3::new(least, least, least_focal).map(|sigma| sigma * sigma));
-        let covariance = scale * snapped.uncertainty.clicks * scale + floor;
-        let information = covariance.try_inverse()?;
-        Some(Hold { frame, ptz, information, loss: Loss::Cauchy { c: SNAPPED_SIGMAS } })
+        hold_on_paint(frame, ptz, &snapped.uncertainty.clicks, self.size)
     }
 
     fn uncertainty(&self, held: &HeldFrame) -> Option<Uncertainty> {
@@ -105,4 +99,14 @@ impl Held {
         let camera = PtzCamera::new(self.base, frame.ptz);
         known.with_exact_base().worst_corner_sigma_px(&camera, self.size)
     }
+}
+
+/// What a frame's own paint says of it, where its lines leave this covariance of (pan rad, tilt rad, focal length px).
+pub(super) fn hold_on_paint(frame: usize, ptz: Ptz, covariance: &Mat3, size: ImageSize) -> Option<Hold> {
+    let least = LEAST_SIGMA_PX * size.scale_from_1920() / ptz.focal_px;
+    let least_focal = 2.0 * LEAST_SIGMA_PX * size.scale_from_1920() / f64::from(size.width);
+    let floor = Mat3::from_diagonal(&Vec3::new(least, least, least_focal).map(|sigma| sigma * sigma));
+    let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, ptz.focal_px.recip()));
+    let information = (scale * covariance * scale + floor).try_inverse()?;
+    Some(Hold { frame, ptz, information, loss: Loss::Cauchy { c: SNAPPED_SIGMAS } })
 }

@@ -3,8 +3,10 @@
 use super::candidates::{Candidate, ViewGraph};
 use super::refined::Refined;
 use super::{UnclickedCamera, UnclickedFrame};
+use crate::geometry::ImageSize;
 
 /// A camera where it may stand, with the view graph of its frames there.
+#[derive(Clone)]
 pub(super) struct Place {
     pub camera: UnclickedCamera,
     pub view_graph: ViewGraph,
@@ -25,7 +27,7 @@ impl Place {
     }
 
     /// As it was adjusted once more.
-    pub fn refined(self, refined: Refined, frames: &[usize]) -> Self {
-        Self { view_graph: refined.view_graph(self.view_graph, frames), camera: refined.camera(self.camera) }
+    pub fn refined(self, refined: Refined, frames: &[usize], size: ImageSize) -> Self {
+        Self { view_graph: refined.view_graph(self.view_graph, frames, size), camera: refined.camera(self.camera) }
     }
 }

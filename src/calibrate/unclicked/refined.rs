@@ -3,19 +3,23 @@
 
 use super::candidates::ViewGraph;
 use super::error::Stop;
+use super::held::hold_on_paint;
 use super::traces::PictureOfFrame;
 use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
 use crate::calibrate::{BaseOnPaintError, EstimatedBase, estimate_on_paint};
-use crate::camera::Ptz;
+use crate::camera::{Ptz, PtzCamera};
 use crate::document::{CameraId, DocumentAt, Frame};
 use crate::field::FieldModel;
-use crate::geometry::Vec3;
+use crate::geometry::{ImageSize, Vec3};
 use crate::solve::base::BaseOptions;
-use crate::track::Hold;
+use crate::solve::covariance_of_four_points;
 use std::collections::BTreeMap;
 
 /// What is seen once more from the same pictures is known no better than half of what it moved by.
 const OF_MOVE: f64 = 0.5;
+
+/// What a frame's painted lines tell of it: four points this well known, px at 1920 px width.
+const PAINT_PX: f64 = 1.0;
 
 /// A base adjusted once more.
 pub(super) struct Refined {
@@ -33,6 +37,7 @@ impl Refined {
     /// The search was stopped, or the field cannot be had.
     pub fn of(
         (found, sized): (&UnclickedCamera, bool),
+        options: &BaseOptions,
         (document, camera): (DocumentAt<'_>, &CameraId),
         picture: PictureOfFrame<'_>,
         watch: WatchUnclicked<'_>,
@@ -50,7 +55,7 @@ impl Refined {
         let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
         let at = bare.at(document.folder);
         let told = |_| watch(UnclickedProgress::Refining);
-        let estimated = match estimate_on_paint(at, camera, &BaseOptions::default(), sized, &mut picture_of, &told) {
+        let estimated = match estimate_on_paint(at, camera, options, sized, &mut picture_of, &told) {
             Ok(on_paint) => on_paint.estimated,
             Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
             Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
@@ -68,14 +73,24 @@ impl Refined {
     }
 
     /// The view graph around the new base. `looked_at` has the index in the document of each sampled frame.
-    pub fn view_graph(&self, view_graph: ViewGraph, looked_at: &[usize]) -> ViewGraph {
+    pub fn view_graph(&self, view_graph: ViewGraph, looked_at: &[usize], size: ImageSize) -> ViewGraph {
         let of_place = |frame: usize| {
             let index = looked_at.get(*view_graph.indices.get(frame)?)?;
             self.ptz.get(index).copied()
         };
-        let ptz = (0..view_graph.ptz.len()).map(of_place).collect();
-        let moved = |hold: &Hold| Some(Hold { ptz: of_place(hold.frame)?, ..*hold });
-        let paint_priors = view_graph.paint_priors.iter().filter_map(moved).collect();
+        let ptz: Vec<Option<Ptz>> = (0..view_graph.ptz.len()).map(of_place).collect();
+        // What the strokes told of a frame counted for little where they lay beside its lines; now it lies on its paint.
+        let held = |(frame, ptz): (usize, &Option<Ptz>)| {
+            let ptz = (*ptz)?;
+            let camera = PtzCamera::new(self.estimated.estimate.base, ptz);
+            hold_on_paint(
+                frame,
+                ptz,
+                &covariance_of_four_points(&camera, size, PAINT_PX * size.scale_from_1920()),
+                size,
+            )
+        };
+        let paint_priors = ptz.iter().enumerate().filter_map(held).collect();
         ViewGraph { ptz, paint_priors, ..view_graph }
     }
 

@@ -23,8 +23,10 @@ pub struct BaseOptions {
     pub lens: Option<LensModel>,
     /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free one.
     pub crown: Option<CrownModel>,
-    /// Also find the principal point where a dozen frames or more may show it, held near the middle by its prior. True by default.
+    /// Also find the principal point where enough frames may show it, held near the middle by its prior. True by default.
     pub principal_point: bool,
+    /// How many frames are enough for that; with fewer it stays in the middle and counts in the uncertainty. 12 by default.
+    pub placing_frames: usize,
     /// How to adjust.
     pub adjust: AdjustOptions,
 }
@@ -58,7 +60,7 @@ impl BaseOptions {
     /// Around which point the principal point is found; none where it stays. Few frames do not show it: on real matches one or two
     /// frames err by a tenth more with it than without, and ten by 2 %; all frames err by a tenth less.
     fn free_centre(&self, nominal: ImagePoint, frames: usize) -> Option<ImagePoint> {
-        (self.principal_point && frames >= PLACING_FRAMES).then_some(nominal)
+        (self.principal_point && frames >= self.placing_frames).then_some(nominal)
     }
 
     /// How to adjust, with what these options prescribe.
@@ -78,7 +80,13 @@ impl BaseOptions {
 impl Default for BaseOptions {
     /// Everything chosen by the program.
     fn default() -> Self {
-        Self { lens: None, crown: None, principal_point: true, adjust: AdjustOptions::default() }
+        Self {
+            lens: None,
+            crown: None,
+            principal_point: true,
+            placing_frames: PLACING_FRAMES,
+            adjust: AdjustOptions::default(),
+        }
     }
 }
 

@@ -46,18 +46,12 @@ pub struct FittedSize {
     /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a field is seen and not the other,
     /// its middle, the origin of `world`, is known half as well as its length, and so is everything that is told from there.
     pub position_sigma_m: Vec3,
+    /// The frames do not show the length: what was assumed holds.
+    pub is_open: bool,
 }
 
 /// A length that is less certain is not shown by the frames, m: where they show it, 0.04 to 0.13 m is stated before any floor.
 const OPEN_M: f64 = 0.5;
-
-impl FittedSize {
-    /// Whether the frames do not show the length: what was assumed holds.
-    #[must_use]
-    pub fn is_open(&self) -> bool {
-        self.sigma_m > OPEN_M
-    }
-}
 
 /// Where the fit starts: a base and its frames on the field as assumed.
 #[derive(Clone, Copy, Debug)]
@@ -212,6 +206,7 @@ impl SizeFit<'_> {
                 value_m: *value,
                 sigma_m,
                 position_sigma_m: position_by_size * sigma_m,
+                is_open: sigma_m > OPEN_M,
             })
         };
         self.params.iter().zip(values).zip(known).map(of).collect()
