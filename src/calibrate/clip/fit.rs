@@ -53,6 +53,8 @@ pub(super) struct FittedClip {
     pub painted: usize,
     /// Frames for whose earlier camera the paint speaks more.
     pub kept: BTreeSet<usize>,
+    /// The share of each frame's paint that lies on no line; 0 where it was not asked, or shows too little.
+    pub unexplained: Vec<f64>,
     /// Whether the paint of some frame lies as on a field of another length.
     pub is_of_other_field: bool,
 }
@@ -61,6 +63,7 @@ pub(super) struct FittedClip {
 struct Judged {
     paint: Vec<PaintVerdict>,
     kept: BTreeSet<usize>,
+    unexplained: Vec<f64>,
     is_of_other_field: bool,
 }
 
@@ -90,8 +93,8 @@ impl ClipFit<'_> {
                 break;
             }
         }
-        let Judged { paint, kept, is_of_other_field } = self.judge(&adjusted, reader, evidence, watch)?;
-        Ok(FittedClip { adjusted, paint, painted, kept, is_of_other_field })
+        let Judged { paint, kept, unexplained, is_of_other_field } = self.judge(&adjusted, reader, evidence, watch)?;
+        Ok(FittedClip { adjusted, paint, painted, kept, unexplained, is_of_other_field })
     }
 
     /// Adjusts all frames to the points, the known cameras and those aligned to paint.
@@ -140,7 +143,8 @@ impl ClipFit<'_> {
         watch: WatchClip<'_>,
     ) -> Result<Judged, TrackClipError> {
         let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
-        let mut judged = Judged { paint, kept: BTreeSet::new(), is_of_other_field: false };
+        let unexplained = vec![0.0; paint.len()];
+        let mut judged = Judged { paint, kept: BTreeSet::new(), unexplained, is_of_other_field: false };
         if self.options.paint_every == 0 {
             return Ok(judged);
         }
@@ -150,6 +154,7 @@ impl ClipFit<'_> {
             go_on(watch(ClipProgress::Painting(done, asked.len())))?;
             let other = earlier.get(&frame).filter(|earlier| self.apart(**earlier, ptz) > ALIKE_PX);
             let known = self.verdict_by_evidence(evidence, frame, ptz).filter(|_| self.is_size_fitted);
+            let mut unexplained = 0.0;
             let verdict = match (known, other) {
                 (Some(verdict), None) => verdict,
                 (known, other) => {
@@ -158,11 +163,14 @@ impl ClipFit<'_> {
                         judged.kept.insert(frame);
                     }
                     judged.is_of_other_field |= !self.is_size_fitted && check.is_of_other_field();
+                    unexplained = check.unexplained.unwrap_or(0.0);
                     known.unwrap_or_else(|| self.verdict_of(&check))
                 }
             };
             let next = asked.get(done + 1).map_or(judged.paint.len(), |next| next.0);
-            judged.paint[frame..next].iter_mut().take(self.options.paint_every).for_each(|paint| *paint = verdict);
+            let like_it = frame..next.min(frame + self.options.paint_every);
+            judged.paint[like_it.clone()].fill(verdict);
+            judged.unexplained[like_it].fill(unexplained);
         }
         Ok(judged)
     }

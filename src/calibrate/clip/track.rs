@@ -19,6 +19,10 @@ use crate::media::ReadFrames;
 use crate::solve::Uncertainty;
 use crate::track::{AdjustedClip, Anchor, Carried, Jitter, SmoothOptions, Unsmoothed, carry, smooth};
 
+/// Where the field is as long as it is taken for, less of a picture's paint lies on no line: at most 0.17 in 568 frames of three
+/// broadcasts. Where the circle lay 40 to 130 px off, 0.3 to 0.9 did.
+const RIGHT_UNEXPLAINED: f64 = 0.2;
+
 /// A frame of the document whose camera was carried there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackedFrame {
@@ -134,7 +138,7 @@ pub fn track_clip(
         is_size_fitted,
         options,
     };
-    let FittedClip { adjusted, paint, painted, kept, is_of_other_field } =
+    let FittedClip { adjusted, paint, painted, kept, unexplained, is_of_other_field } =
         fit.adjust_to_paint(reader, evidence, watch)?;
     let is_length_open = *spec.size() == FieldSize::Assumed || is_of_other_field;
     let open = spec.template(at.folder).ok().filter(|_| is_length_open).map(|template| OpenSize::new(template, field));
@@ -184,7 +188,9 @@ pub fn track_clip(
             continue;
         };
         let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        let by_length_px = unseen.as_ref().map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
+        // A line that lies beside its paint leaves that paint unexplained.
+        let of_frame = unseen.as_ref().filter(|_| unexplained[frame] > RIGHT_UNEXPLAINED);
+        let by_length_px = of_frame.map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
         let confidence = certain
             * confidence(&camera, &uncertainty, size, apart_px, paint[frame])
             * certainty_under_length(by_length_px, size);

@@ -59,7 +59,7 @@ impl UnclickedEvidence {
         const MIN_LINES: usize = 5;
         const MAX_RESIDUAL_PX: f64 = 1.5;
         const MAX_PARTS_M: f64 = 2.0;
-        const MAX_ROLL_DEG: f64 = 1.5;
+        const MAX_ROLL_DEG: f64 = 4.0;
         let roll_deg = joint.base.angles().roll.degrees();
         let mut doubts = Vec::new();
         let mut ask = |wrong: bool, doubt: Doubt| {
