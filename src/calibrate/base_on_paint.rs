@@ -28,7 +28,7 @@ use thiserror::Error;
 const MOST_FRAMES: usize = 150;
 
 /// Fewer frames with paint, or fewer lines in all of them together, do not hold a base.
-const FEWEST_FRAMES: usize = 3;
+pub(crate) const FRAMES_FOR_PAINT: usize = 3;
 const FEWEST_LINES: usize = 5;
 
 /// 1-σ of the position along each axis, and of a fitted length of the field, where paint alone gives it, m: what grounds are off by
@@ -55,7 +55,7 @@ pub enum BaseOnPaintError {
     Base(#[from] BaseEstimationError),
     /// Hardly any paint is seen where the cameras predict it.
     #[error(
-        "painted lines are seen in {frames} frames, {lines} different lines in all ({FEWEST_FRAMES} frames and {FEWEST_LINES} lines are \
+        "painted lines are seen in {frames} frames, {lines} different lines in all ({FRAMES_FOR_PAINT} frames and {FEWEST_LINES} lines are \
          needed): refine the base from clicks alone, or click frames that show more of the lines"
     )]
     TooFewLines {
@@ -336,7 +336,7 @@ impl Seen {
                 seen.add(problem, place, ptz, &paint);
             }
         }
-        if seen.frames < FEWEST_FRAMES || seen.lines.len() < FEWEST_LINES {
+        if seen.frames < FRAMES_FOR_PAINT || seen.lines.len() < FEWEST_LINES {
             return Err(BaseOnPaintError::TooFewLines { frames: seen.frames, lines: seen.lines.len() });
         }
         Ok(seen)

@@ -3,11 +3,12 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
+use super::track::carry;
 use crate::calibrate::{
-    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, SolveOutcome, describe_mirrored, describe_size,
-    estimate_on_paint, follow_all_bases, solve_document,
+    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, TrackClipOptions,
+    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases, solve_document,
 };
-use crate::document::{CameraId, Document, DocumentAt, Frame};
+use crate::document::{Camera, CameraId, Document, DocumentAt, Frame};
 use crate::geometry::counted;
 use crate::media::{FrameReader, Picture};
 use crate::proposals::read_picture;
@@ -78,7 +79,7 @@ fn crown(text: &str) -> Result<Crown, String> {
 pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
-    let before = document.clone();
+    let original = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
     }
@@ -98,6 +99,12 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         ..BaseOptions::default()
     };
     let cameras: Vec<CameraId> = document.cameras.iter().map(|camera| camera.id.clone()).collect();
+    if args.markings {
+        for camera in &cameras {
+            carry_few(&mut document, location.folder(), camera, &options, messages)?;
+        }
+    }
+    let before = document.clone();
     let mut estimates = Vec::new();
     let mut on_paint = Vec::new();
     let mut errors = Vec::new();
@@ -159,11 +166,35 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     for estimate in &estimates {
         estimate.mark_disputes(&mut document);
     }
-    document.count_edits_since(&before);
+    document.count_edits_since(&original);
     args.output.write(document, location.folder())?;
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
     messages.note(&format!("{} estimated, {} solved", counted(estimates.len(), "camera"), counted(solved, "frame")));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// Carries the cameras of a video in which only a frame or two are clicked to its other frames, from a base by those clicks: their
+/// lines tell too little, those of the whole clip tell much.
+fn carry_few(
+    document: &mut Document,
+    folder: &Path,
+    camera: &CameraId,
+    options: &BaseOptions,
+    messages: Messages,
+) -> anyhow::Result<()> {
+    let of_camera = || document.frames.iter().filter(|frame| frame.camera == *camera);
+    let known = of_camera().filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1).count();
+    if known == 0 || known >= FRAMES_FOR_PAINT || !of_camera().any(|frame| frame.video.is_some()) {
+        return Ok(());
+    }
+    if document.camera(camera).and_then(Camera::base).is_none() {
+        let Ok(by_clicks) = estimate(document.at(folder), camera, options, false) else { return Ok(()) };
+        by_clicks.write_camera(document);
+        solve_document(document, folder, &|| {})?;
+    }
+    messages.note(&format!("{}: only {} known: carried to the clip first", camera.as_str(), counted(known, "frame")));
+    carry(document, folder, None, &TrackClipOptions::default(), &|| false, messages)?;
+    Ok(())
 }
 
 /// The base of a camera; with `size` that of its field as well.
