@@ -245,10 +245,17 @@ impl Current {
     }
 }
 
-/// The verdict on a camera that lies on the painted lines: they bear it out, or it would not have been taken.
+/// A suggestion at least this certain is good.
+const CERTAIN: f64 = 0.9;
+
+/// The verdict on a camera that lies on the painted lines: they bear it out, or it would not have been taken. Where it states how
+/// certain it is that word decides: the worst corner of a picture may lie far from every line.
 fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
     let corner_px = solution.worst_corner_sigma_px.unwrap_or(f64::INFINITY);
-    let is_good = corner_px <= GOOD_CORNER_SIGMA_PX * size.scale_from_1920();
+    let is_good = match solution.confidence {
+        Some(confidence) => confidence >= CERTAIN,
+        None => corner_px <= GOOD_CORNER_SIGMA_PX * size.scale_from_1920(),
+    };
     let samples = solution.samples.unwrap_or(0);
     let rms = solution.rms_px.map(|px| format!(" to {px:.1} px")).unwrap_or_default();
     let reason = format!("worst corner ±{corner_px:.1} px; {samples} points on painted lines fit{rms}");

@@ -4,6 +4,7 @@
 //! that end only. As soon as one of them shows the field's middle, its paint tells: of all lengths that the rules allow, each with the
 //! base that lies as before at the seen end, the right one puts the middle's lines onto it. The frames keep pan, tilt and focal length.
 
+use super::base_on_paint::PictureOf;
 use super::paint::LINE_CHECK;
 use super::size_fit::OpenSize;
 use super::unseen_length::{LENGTH, UnseenLength};
@@ -11,9 +12,7 @@ use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame};
 use crate::field::FieldError;
 use crate::geometry::{ImageSize, Vec3};
-use crate::media::ReadFrames;
 use crate::paint::{GroundPicture, check_lines};
-use crate::proposals::read_picture;
 use crate::solve::base::FittedSize;
 use rayon::prelude::*;
 
@@ -72,14 +71,14 @@ struct Look {
 ///
 /// # Errors
 /// The field is not valid. Frames that cannot be read are left out.
-pub fn length_on_lines(at: DocumentAt<'_>, reader: &mut dyn ReadFrames) -> Result<Option<LengthOnLines>, FieldError> {
+pub fn length_on_lines(at: DocumentAt<'_>, picture: PictureOf<'_>) -> Result<Option<LengthOnLines>, FieldError> {
     let mut best: Option<(LengthOnLines, &FieldSpec)> = None;
     for camera in &at.document.cameras {
         let spec = at.document.field_of_camera(&camera.id);
         if *spec.size() == FieldSize::Fitted {
             continue;
         }
-        let found = length_by_camera(at, camera, spec, reader)?;
+        let found = length_by_camera(at, camera, spec, picture)?;
         if let Some(found) = found.filter(|found| best.as_ref().is_none_or(|(best, _)| best.frames < found.frames)) {
             best = Some((found, spec));
         }
@@ -105,7 +104,7 @@ fn length_by_camera(
     at: DocumentAt<'_>,
     camera: &Camera,
     spec: &FieldSpec,
-    reader: &mut dyn ReadFrames,
+    picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     let document = at.document;
     let Some(base) = camera.base() else { return Ok(None) };
@@ -118,8 +117,8 @@ fn length_by_camera(
     let certain = cameras_of(document, &camera.id, |confidence| confidence >= CERTAIN);
     let Some(unseen) = UnseenLength::new(&open, &field, &base, &certain) else { return Ok(None) };
     let agreeing = frames_of(document, &camera.id, |_, confidence| confidence >= CERTAIN);
-    let doubted = looks(at, &doubted, reader);
-    let agreeing = looks(at, &agreeing, reader);
+    let doubted = looks(at, &doubted, picture);
+    let agreeing = looks(at, &agreeing, picture);
     let assumed_m = unseen.assumed_m();
     let (min_m, max_m) = unseen.limits_m();
     let worth = |looks: &[Look], length_m: f64| mean(&worths(&unseen, looks, length_m));
@@ -164,11 +163,10 @@ fn cameras_of(document: &Document, camera: &CameraId, is_asked: impl Fn(f64) -> 
 }
 
 /// The pictures of some of these frames, evenly spread.
-fn looks(at: DocumentAt<'_>, frames: &[&Frame], reader: &mut dyn ReadFrames) -> Vec<Look> {
+fn looks(at: DocumentAt<'_>, frames: &[&Frame], picture: PictureOf<'_>) -> Vec<Look> {
     let step = frames.len().div_ceil(FRAMES).max(1);
     let read = |frame: &&Frame| {
-        let picture = read_picture(reader, frame, at.folder).ok()?;
-        let ground = GroundPicture::new(&picture, &at.document.masks_of(frame));
+        let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
         Some(Look { ground, ptz: frame.ptz.as_ref()?.ptz() })
     };
     frames.iter().copied().step_by(step).collect::<Vec<_>>().iter().filter_map(read).collect()

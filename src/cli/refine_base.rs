@@ -184,7 +184,8 @@ fn carry_few(
 ) -> anyhow::Result<()> {
     let of_camera = || document.frames.iter().filter(|frame| frame.camera == *camera);
     let known = of_camera().filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1).count();
-    if known == 0 || known >= FRAMES_FOR_PAINT || !of_camera().any(|frame| frame.video.is_some()) {
+    let is_clip = of_camera().any(|frame| frame.video.is_some() || frame.clip.is_some());
+    if known == 0 || known >= FRAMES_FOR_PAINT || !is_clip {
         return Ok(());
     }
     if document.camera(camera).and_then(Camera::base).is_none() {

@@ -7,9 +7,10 @@ use super::messages::Messages;
 use crate::calibrate::{
     ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, length_on_lines, record_tracked, track_clip,
 };
-use crate::document::{Document, Fields};
+use crate::document::{Document, Fields, Frame};
 use crate::geometry::counted;
 use crate::media::FrameReader;
+use crate::proposals::read_picture;
 use crate::solve::base::FittedSize;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
@@ -101,7 +102,9 @@ pub fn carry(
     if carried.is_stopped || carried.frames == 0 {
         return Ok(carried);
     }
-    let Some(found) = length_on_lines(document.at(folder), &mut FrameReader::new())? else { return Ok(carried) };
+    let mut reader = FrameReader::new();
+    let mut picture = |frame: &Frame| read_picture(&mut reader, frame, folder).ok();
+    let Some(found) = length_on_lines(document.at(folder), &mut picture)? else { return Ok(carried) };
     let FittedSize { assumed_m, value_m, sigma_m, .. } = found.size;
     let seen =
         format!("the painted lines of {} frames ask for a length of {value_m:.2} ± {sigma_m:.2} m", found.frames);

@@ -131,6 +131,29 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
 }
 
 #[test]
+fn the_lines_of_a_whole_clip_refine_a_base_of_which_one_frame_is_known() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let mut asked = document(&folder.join("ask.json"));
+    for (at, frame) in asked.frames.iter_mut().enumerate() {
+        frame.clip = Some(Clip::Number(1));
+        if at > 0 {
+            (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
+        }
+    }
+    write(&folder.join("one.json"), &asked);
+    let ran = touchline(&folder, "refine-base one.json --markings -o refined.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for line in ["only 1 frame known: carried to the clip first", "30 of 30 frames pulled onto their painted lines"] {
+        assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
+    }
+    let refined = document(&folder.join("refined.json"));
+    let worst = (0..truth.frames.len()).map(|frame| worst_px(&refined, &truth, frame)).fold(0.0, f64::max);
+    assert!(worst < 3.0, "{worst} px");
+}
+
+#[test]
 fn a_clip_that_cannot_be_read_is_named_and_the_others_are_carried() {
     let place = tempfile::tempdir().unwrap();
     drawn_clip(place.path());

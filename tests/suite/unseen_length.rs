@@ -9,10 +9,10 @@ use touchline::document::{
 };
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
-use touchline::media::{FrameRef, MediaError, Picture, ReadFrames};
+use touchline::media::Picture;
 use touchline::synthetic::{FrameOptions, Stadium, StadiumOptions, stadium};
 
-const SIZE: ImageSize = ImageSize::new(960, 540);
+const SIZE: ImageSize = ImageSize::new(640, 360);
 
 /// A match on a pitch of some length, seen from a camera beside its middle.
 struct Match {
@@ -30,7 +30,7 @@ impl Match {
         let scene = stadium(&StadiumOptions::new(template.model(&params, 0.0).unwrap(), 7));
         let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
         let pans = (0..8).map(|index| 13.0 + f64::from(index)).chain((0..4).map(|index| 33.0 + 2.0 * f64::from(index)));
-        Self { scene, length_m, base, frames: pans.map(|pan_deg| Ptz::from_degrees(pan_deg, -12.0, 1600.0)).collect() }
+        Self { scene, length_m, base, frames: pans.map(|pan_deg| Ptz::from_degrees(pan_deg, -12.0, 1066.0)).collect() }
     }
 
     /// The match as it is known on a pitch of 105 m of which the right end was seen: those frames are certain, and the first eight
@@ -38,7 +38,7 @@ impl Match {
     fn as_known(&self) -> Document {
         let mut document: Document = document_from_bytes(
             br#"{"format": "touchline", "version": 1, "field": {"template": "soccer", "params": {}}, "frames": [],
-                "cameras": [{"id": "main", "image_size_px": [960, 540], "principal_point_px": [480, 270]}]}"#,
+                "cameras": [{"id": "main", "image_size_px": [640, 360], "principal_point_px": [320, 180]}]}"#,
         )
         .unwrap();
         let by_m = (105.0 - self.length_m) / 2.0;
@@ -63,22 +63,23 @@ impl Match {
     }
 }
 
-impl ReadFrames for Match {
-    fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
-        let FrameRef::Video { index, .. } = frame else { panic!("{frame} is of no video") };
-        let camera = PtzCamera::new(self.base, self.frames[*index]);
+impl Match {
+    fn picture(&self, frame: &Frame) -> Option<Picture> {
+        let camera = PtzCamera::new(self.base, self.frames[frame.video.as_ref()?.frame_index as usize]);
         let drawn = self.scene.render(&camera, SIZE, &FrameOptions::default()).image;
         let rgba: Vec<u8> = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
-        Ok(Picture::new(SIZE, rgba).unwrap())
+        Picture::new(SIZE, rgba).ok()
     }
 }
 
 #[test]
 fn the_paint_of_the_middle_tells_the_length_and_the_camera_moves_with_the_end_it_saw() {
     for length_m in [101.0, 108.0] {
-        let mut seen = Match::on_pitch_of(length_m);
+        let seen = Match::on_pitch_of(length_m);
         let mut document = seen.as_known();
-        let found = length_on_lines(document.at(Path::new("nowhere")), &mut seen).unwrap().expect("a length");
+        let found = length_on_lines(document.at(Path::new("nowhere")), &mut |frame| seen.picture(frame))
+            .unwrap()
+            .expect("a length");
         assert!((found.size.value_m - length_m).abs() < 0.5, "{found:?} of {length_m} m");
         assert!((found.size.value_m - length_m).abs() < 2.0 * found.size.sigma_m, "{found:?} of {length_m} m");
         assert!(!found.is_prescribed);
@@ -91,13 +92,13 @@ fn the_paint_of_the_middle_tells_the_length_and_the_camera_moves_with_the_end_it
 
 #[test]
 fn frames_with_doubts_of_other_kinds_give_no_length() {
-    let mut seen = Match::on_pitch_of(105.0);
+    let seen = Match::on_pitch_of(105.0);
     let document = seen.as_known();
-    assert_eq!(length_on_lines(document.at(Path::new("nowhere")), &mut seen).unwrap(), None);
+    assert_eq!(length_on_lines(document.at(Path::new("nowhere")), &mut |frame| seen.picture(frame)).unwrap(), None);
     // A length that a person gave is not taken, and said all the same.
-    let mut seen = Match::on_pitch_of(101.0);
+    let seen = Match::on_pitch_of(101.0);
     let mut document = seen.as_known();
     document.field.size = Some(FieldSize::Confirmed);
-    let found = length_on_lines(document.at(Path::new("nowhere")), &mut seen).unwrap();
+    let found = length_on_lines(document.at(Path::new("nowhere")), &mut |frame| seen.picture(frame)).unwrap();
     assert!(found.is_some_and(|found| found.is_prescribed));
 }

@@ -6,11 +6,12 @@ use crate::app::operations::UnderWay;
 use crate::app::session::Level;
 use crate::app::{App, Command};
 use crate::calibrate::{
-    ClipEvidence, ClipFrames, ClipProgress, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, clips,
-    record_tracked, track_clip,
+    ClipEvidence, ClipFrames, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
+    clips, length_on_lines, record_tracked, track_clip,
 };
 use crate::document::{Camera, Document, Frame, Step};
 use crate::field::FieldModel;
+use crate::proposals::read_picture;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -33,6 +34,8 @@ pub struct CarriedClip {
     tracked: TrackedClip,
     /// What the pictures say, for when a frame is corrected.
     evidence: Arc<ClipEvidence>,
+    /// Another length of the field, where the painted lines of the carried frames ask for it.
+    length: Option<LengthOnLines>,
 }
 
 /// Why no cameras were carried.
@@ -78,7 +81,11 @@ impl Operation for ClipTracking {
         let mut evidence = (*self.evidence).clone();
         let watch = &mut |progress| context.report(progress);
         let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, watch)?;
-        Ok(CarriedClip { tracked, evidence: evidence.into() })
+        let mut document = self.document.clone();
+        record_tracked(&mut document, &tracked);
+        let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, &self.folder).ok();
+        let length = length_on_lines(document.at(&self.folder), &mut picture).ok().flatten();
+        Ok(CarriedClip { tracked, evidence: evidence.into(), length })
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -184,7 +191,7 @@ impl App {
     }
 
     /// Takes over what was carried: one step of undo.
-    fn take_carried_clip(&mut self, tracking: &ClipTracking, CarriedClip { tracked, evidence }: CarriedClip) {
+    fn take_carried_clip(&mut self, tracking: &ClipTracking, CarriedClip { tracked, evidence, length }: CarriedClip) {
         let Some(open) = &self.open else { return };
         let base_now = open.document.camera(&tracking.document.frames[tracking.frame].camera).and_then(Camera::base);
         if base_now.as_ref() != Some(&tracked.base) {
@@ -218,6 +225,9 @@ impl App {
         }
         let level = if taken.stops.is_empty() { Level::Info } else { Level::Warning };
         self.session.notify_with(level, describe_tracked(&taken, count), offers);
+        if let Some(found) = length {
+            self.session.notify(Level::Warning, describe_length(&found));
+        }
     }
 
     /// Gives the frames that cameras were carried to what they showed before, where nobody has changed them since.
@@ -259,6 +269,14 @@ impl ClipTrackingState {
         };
         Some(UnderWay { text, share: None, stop: Command::StopTracking })
     }
+}
+
+/// The length that the carried frames ask for.
+fn describe_length(LengthOnLines { size, frames, .. }: &LengthOnLines) -> String {
+    format!(
+        "The painted lines of {frames} frames ask for a field {:.2} ± {:.2} m long, not {} m. The command `touchline track` takes it where nobody has stated the length.",
+        size.value_m, size.sigma_m, size.assumed_m
+    )
 }
 
 /// What was carried after a correction.

@@ -21,6 +21,9 @@ pub(super) fn with_common(mut covariance: Mat3, ptz: Ptz, size: ImageSize) -> Ma
 /// An overlay that is off by no more is right, px at 1920 px width.
 const RIGHT_PX: f64 = 10.0;
 
+/// Cameras that differ by more than this are warned of, px at 1920 px width.
+pub(super) const DIFFER_PX: f64 = 5.0;
+
 /// No camera that nobody has looked at is more certain.
 const AT_MOST: f64 = 0.99;
 

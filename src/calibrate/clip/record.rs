@@ -1,15 +1,14 @@
 //! Tracked cameras, written into their document.
 
+use super::certainty::DIFFER_PX;
 use super::track::{TrackedClip, TrackedFrame};
 use crate::calibrate::LENGTH_UNSEEN;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning};
+use crate::solve::Uncertainty;
 
 /// The code of a warning that a camera carried from before and one carried from after differ.
 pub const SIDES_DIFFER: &str = "sides_differ";
-
-/// Cameras that differ by more than this are warned of, px at 1920 px width.
-pub(super) const DIFFER_PX: f64 = 5.0;
 
 /// The key under which a smoothed frame keeps its camera as it was before.
 const RAW: &str = "raw_ptz";
@@ -43,10 +42,12 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
     let camera = PtzCamera::new(clip.base, tracked.ptz);
     frame.point(tracked.ptz, camera.lens());
     frame.status = FrameStatus::Suggested;
+    // Of a camera that the paint contradicts nobody knows how far it is off.
+    let known = (!tracked.contradicted).then_some(&tracked.uncertainty);
     let mut solution = Solution {
-        covariance: Some(tracked.uncertainty.ptz_covariance_deg()),
-        own_covariance: Some(tracked.uncertainty.own_covariance_deg()),
-        worst_corner_sigma_px: Some(tracked.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
+        covariance: known.map(Uncertainty::ptz_covariance_deg),
+        own_covariance: known.map(Uncertainty::own_covariance_deg),
+        worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
         source: Some(SolutionSource::Tracking),
         confidence: Some(tracked.confidence),
         ..Solution::default()

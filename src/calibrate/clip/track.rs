@@ -1,14 +1,13 @@
 //! Cameras of a clip's frames from those that are known: points followed, carried, adjusted, held to the paint, smoothed.
 
 use super::anchors::anchors;
-use super::certainty::{PaintVerdict, certainty_under_length, confidence, with_common};
+use super::certainty::{DIFFER_PX, PaintVerdict, certainty_under_length, confidence, with_common};
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip};
 use super::frames::ClipFrames;
 use super::options::{TrackClipOptions, WatchClip};
 use super::pictures::ClipPictures;
-use super::record::DIFFER_PX;
 use crate::calibrate::size_fit::OpenSize;
 use crate::calibrate::unseen_length::UnseenLength;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
