@@ -190,9 +190,12 @@ pub fn track_clip(
         // A line that lies beside its paint leaves that paint unexplained.
         let of_frame = unseen.as_ref().filter(|_| unexplained[frame] > RIGHT_UNEXPLAINED);
         let by_length_px = of_frame.map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
-        let confidence = certain
-            * confidence(&camera, &uncertainty, size, apart_px, paint[frame])
-            * certainty_under_length(by_length_px, size);
+        let of_length = match paint[frame] {
+            // It lies beside its paint for that reason already.
+            PaintVerdict::Contradicts => 1.0,
+            PaintVerdict::Agrees | PaintVerdict::Silent => certainty_under_length(by_length_px, size),
+        };
+        let confidence = certain * confidence(&camera, &uncertainty, size, apart_px, paint[frame]) * of_length;
         if kept.contains(&frame) {
             tracked.kept += 1;
             continue;
