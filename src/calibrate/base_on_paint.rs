@@ -28,7 +28,7 @@ use thiserror::Error;
 const MOST_FRAMES: usize = 150;
 
 /// Fewer frames with paint, or fewer lines in all of them together, do not hold a base.
-pub(crate) const FRAMES_FOR_PAINT: usize = 3;
+pub const FRAMES_FOR_PAINT: usize = 3;
 const FEWEST_LINES: usize = 5;
 
 /// 1-σ of the position along each axis, and of a fitted length of the field, where paint alone gives it, m: what grounds are off by

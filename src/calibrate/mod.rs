@@ -34,8 +34,7 @@ pub(crate) use after_merge::{SolvedAfterMerge, solve_after_merge};
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
-pub(crate) use base_on_paint::FRAMES_FOR_PAINT;
-pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, PictureOf, PulledFrames, estimate_on_paint};
+pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, FRAMES_FOR_PAINT, PictureOf, PulledFrames, estimate_on_paint};
 pub(crate) use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{
