@@ -11,7 +11,7 @@ use super::unseen_length::{LENGTH, UnseenLength};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame};
 use crate::field::FieldError;
-use crate::geometry::{ImageSize, Vec3};
+use crate::geometry::Vec3;
 use crate::paint::{GroundPicture, check_lines};
 use crate::solve::base::FittedSize;
 use rayon::prelude::*;
@@ -89,10 +89,7 @@ pub fn length_on_lines(at: DocumentAt<'_>, picture: PictureOf<'_>) -> Result<Opt
         let other = at.document.field_of_camera(&camera.id);
         let is_same_length = other.template == spec.template && other.params.get(LENGTH) == spec.params.get(LENGTH);
         if is_same_length && found.shifts.iter().all(|(id, _)| *id != camera.id) {
-            let open = OpenSize::new(other.template(at.folder)?, &at.model_of(other)?);
-            let certain = cameras_of(at.document, &camera.id, |confidence| confidence >= CERTAIN);
-            let field = at.model_of(other)?;
-            let unseen = camera.base().and_then(|base| UnseenLength::new(&open, &field, &base, &certain));
+            let unseen = unseen_length(at, camera)?;
             found.shifts.extend(unseen.map(|unseen| (camera.id.clone(), unseen.base_shift(found.size.value_m))));
         }
     }
@@ -107,15 +104,11 @@ fn length_by_camera(
     picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     let document = at.document;
-    let Some(base) = camera.base() else { return Ok(None) };
     let doubted = frames_of(document, &camera.id, |frame, confidence| confidence < DOUBTED && is_off_paint(frame));
     if doubted.len() < FEWEST {
         return Ok(None);
     }
-    let field = at.model_of(spec)?;
-    let open = OpenSize::new(spec.template(at.folder)?, &field);
-    let certain = cameras_of(document, &camera.id, |confidence| confidence >= CERTAIN);
-    let Some(unseen) = UnseenLength::new(&open, &field, &base, &certain) else { return Ok(None) };
+    let Some(unseen) = unseen_length(at, camera)? else { return Ok(None) };
     let agreeing = frames_of(document, &camera.id, |_, confidence| confidence >= CERTAIN);
     let doubted = looks(at, &doubted, picture);
     let agreeing = looks(at, &agreeing, picture);
@@ -143,6 +136,17 @@ fn length_by_camera(
     Ok(Some(LengthOnLines { size, shifts, frames: doubted.len(), is_prescribed }))
 }
 
+/// What the length of a camera's field leaves open in its pictures, by the frames without doubts; none where they show the length.
+fn unseen_length(at: DocumentAt<'_>, camera: &Camera) -> Result<Option<UnseenLength>, FieldError> {
+    let Some(base) = camera.base() else { return Ok(None) };
+    let spec = at.document.field_of_camera(&camera.id);
+    let field = at.model_of(spec)?;
+    let open = OpenSize::new(spec.template(at.folder)?, &field);
+    let certain = frames_of(at.document, &camera.id, |_, confidence| confidence >= CERTAIN).into_iter();
+    let certain: Vec<_> = certain.filter_map(|frame| Some((frame.ptz.as_ref()?.ptz(), frame.image_size))).collect();
+    Ok(UnseenLength::new(open, &field, &base, &certain))
+}
+
 /// Whether a frame's paint lies off its lines, or may.
 fn is_off_paint(frame: &Frame) -> bool {
     let warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
@@ -157,11 +161,6 @@ fn frames_of<'a>(document: &'a Document, camera: &CameraId, is_asked: impl Fn(&F
     of_camera.filter(|frame| is_asked(frame, confidence(frame).unwrap_or(1.0))).collect()
 }
 
-fn cameras_of(document: &Document, camera: &CameraId, is_asked: impl Fn(f64) -> bool) -> Vec<(Ptz, ImageSize)> {
-    let frames = frames_of(document, camera, |_, confidence| is_asked(confidence)).into_iter();
-    frames.filter_map(|frame| Some((frame.ptz.as_ref()?.ptz(), frame.image_size))).collect()
-}
-
 /// The pictures of some of these frames, evenly spread.
 fn looks(at: DocumentAt<'_>, frames: &[&Frame], picture: PictureOf<'_>) -> Vec<Look> {
     let step = frames.len().div_ceil(FRAMES).max(1);
@@ -174,7 +173,7 @@ fn looks(at: DocumentAt<'_>, frames: &[&Frame], picture: PictureOf<'_>) -> Vec<L
 
 /// How much of the paint of each frame a length explains: how near the lines lie to paint, times the paint that lies at lines. Each
 /// alone has its best where the lines in question leave the picture.
-fn worths(unseen: &UnseenLength<'_>, looks: &[Look], length_m: f64) -> Vec<f64> {
+fn worths(unseen: &UnseenLength, looks: &[Look], length_m: f64) -> Vec<f64> {
     let Some((field, base)) = unseen.at_length(length_m) else { return vec![0.0; looks.len()] };
     let worth = |look: &Look| {
         let check = check_lines(&look.ground, &field, &PtzCamera::new(base, look.ptz));

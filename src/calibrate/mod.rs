@@ -59,7 +59,7 @@ pub use gold::choose_gold;
 pub(crate) use length_on_lines::LENGTH_UNSEEN;
 pub use length_on_lines::{LengthOnLines, length_on_lines};
 pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};
-pub(crate) use own_covariance::own_covariance;
+pub(crate) use own_covariance::{covariance_on_paint, own_covariance};
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
 pub(crate) use paint::LINE_CHECK;
 pub use paint::{

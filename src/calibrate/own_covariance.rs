@@ -9,7 +9,7 @@ use super::observations;
 use crate::camera::PtzCamera;
 use crate::document::{Frame, SolutionSource};
 use crate::field::FieldModel;
-use crate::geometry::Mat3;
+use crate::geometry::{ImageSize, Mat3};
 use crate::solve::{Observation, Uncertainty, covariance_in_radians, covariance_of_four_points};
 
 /// What painted lines tell of a camera that states nothing itself: four points this well known, px at 1920 px width. Cameras that
@@ -39,8 +39,15 @@ fn covariance_by_clicks(frame: &Frame, camera: &PtzCamera, field: &FieldModel) -
 
 fn floor(frame: &Frame, camera: &PtzCamera) -> Mat3 {
     let source = frame.solution.as_ref().and_then(|solution| solution.source);
-    let sigma_px = if source == Some(SolutionSource::Markings) { PAINT_PX } else { UNSTATED_PX };
-    covariance_of_four_points(camera, frame.image_size, sigma_px * frame.image_size.scale_from_1920())
+    if source == Some(SolutionSource::Markings) {
+        return covariance_on_paint(camera, frame.image_size);
+    }
+    covariance_of_four_points(camera, frame.image_size, UNSTATED_PX * frame.image_size.scale_from_1920())
+}
+
+/// What painted lines tell of a camera that was aligned to them and states nothing itself, of (pan rad, tilt rad, focal length px).
+pub(crate) fn covariance_on_paint(camera: &PtzCamera, size: ImageSize) -> Mat3 {
+    covariance_of_four_points(camera, size, PAINT_PX * size.scale_from_1920())
 }
 
 #[cfg(test)]
@@ -49,7 +56,7 @@ mod tests {
     use crate::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
     use crate::document::{Click, Solution};
     use crate::field::builtin;
-    use crate::geometry::{ImageSize, Vec3};
+    use crate::geometry::Vec3;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

@@ -7,7 +7,7 @@
 use super::size_fit::OpenSize;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, Vec2, Vec3};
+use crate::geometry::{ImageSize, Vec2, Vec3, median_high};
 use crate::markings::{SampleOptions, sample_lines};
 
 /// The name of the length among a field's parameters.
@@ -26,18 +26,22 @@ const TELLING_PX: f64 = 4.0;
 const SIGMAS: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 
 /// How the lines of a field move with its length, and which end a camera has seen.
-pub(super) struct UnseenLength<'a> {
+pub(super) struct UnseenLength {
     base: CameraBase,
-    size: &'a OpenSize,
+    size: OpenSize,
     values_m: Vec<f64>,
     /// Which of the field's parameters the length is.
     length: usize,
     end: End,
+    /// How far each line moves along x for each metre by which the field is longer, m.
+    by_line: Vec<f64>,
+    /// The field and the base at lengths that are likely.
+    likely: Vec<(FieldModel, CameraBase)>,
 }
 
 /// The end of the field that a camera lies right at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+enum End {
     /// At positive x.
     Right,
     /// At negative x.
@@ -54,25 +58,21 @@ impl End {
     }
 }
 
-impl<'a> UnseenLength<'a> {
+impl UnseenLength {
     /// Of a camera that shows a field with these cameras; none where the length is prescribed, or where the cameras show lines that
     /// move against each other with it, so that it is seen.
-    pub fn new(
-        size: &'a OpenSize,
-        field: &FieldModel,
-        base: &CameraBase,
-        cameras: &[(Ptz, ImageSize)],
-    ) -> Option<Self> {
+    pub fn new(size: OpenSize, field: &FieldModel, base: &CameraBase, cameras: &[(Ptz, ImageSize)]) -> Option<Self> {
         let length = size.params.iter().position(|param| param.name == LENGTH)?;
         let values_m = size.params_of(field).iter().map(|param| param.assumed_m).collect();
-        let mut unseen = Self { base: *base, size, values_m, length, end: End::Right };
-        let by_line = unseen.shifts_of_lines()?;
+        let (by_line, likely) = (Vec::new(), Vec::new());
+        let mut unseen = Self { base: *base, size, values_m, length, end: End::Right, by_line, likely };
+        unseen.by_line = unseen.shifts_of_lines()?;
         let mut seen = [0; 3];
         for &(ptz, image) in cameras {
             let camera = PtzCamera::new(*base, ptz);
             for (line, px_per_m) in telling_samples(field, &camera, image) {
                 if px_per_m >= TELLING_PX * image.scale_from_1920() {
-                    seen[(2.0 * by_line[line] + 1.0).round().clamp(0.0, 2.0) as usize] += 1;
+                    seen[(2.0 * unseen.by_line[line] + 1.0).round().clamp(0.0, 2.0) as usize] += 1;
                 }
             }
         }
@@ -81,6 +81,8 @@ impl<'a> UnseenLength<'a> {
             return None;
         }
         unseen.end = if right > left { End::Right } else { End::Left };
+        let lengths = SIGMAS.map(|sigmas| unseen.assumed_m() + sigmas * unseen.sigma_m());
+        unseen.likely = lengths.into_iter().filter_map(|length_m| unseen.at_length(length_m)).collect();
         Some(unseen)
     }
 
@@ -116,17 +118,13 @@ impl<'a> UnseenLength<'a> {
     /// 1-σ by which the lines that are not tied to the seen end lie off in a picture, px; 0 where it shows none of them, at any
     /// length that is likely.
     pub fn sigma_px(&self, ptz: Ptz, image: ImageSize) -> f64 {
-        let Some(by_line) = self.shifts_of_lines() else { return 0.0 };
-        let lengths = SIGMAS.map(|sigmas| self.assumed_m() + sigmas * self.sigma_m());
-        let shift_at = |length_m: f64| {
-            let (field, base) = self.at_length(length_m)?;
-            let samples = telling_samples(&field, &PtzCamera::new(base, ptz), image);
-            let moves = samples.into_iter().map(|(line, px_per_m)| px_per_m * (by_line[line] - self.end.shift()).abs());
+        let of_length = |(field, base): &(FieldModel, CameraBase)| {
+            let samples = telling_samples(field, &PtzCamera::new(*base, ptz), image).into_iter();
+            let moves = samples.map(|(line, px_per_m)| px_per_m * (self.by_line[line] - self.end.shift()).abs());
             let mut telling: Vec<f64> = moves.filter(|px| *px >= TELLING_PX / 2.0 * image.scale_from_1920()).collect();
-            telling.sort_by(f64::total_cmp);
-            (telling.len() >= ENOUGH_SAMPLES).then(|| telling[telling.len() / 2])
+            median_high(&mut telling).filter(|_| telling.len() >= ENOUGH_SAMPLES)
         };
-        lengths.into_iter().filter_map(shift_at).fold(0.0, f64::max) * self.sigma_m()
+        self.likely.iter().filter_map(of_length).fold(0.0, f64::max) * self.sigma_m()
     }
 
     /// How far each line moves along x for each metre by which the field is longer, m.

@@ -100,9 +100,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     };
     let cameras: Vec<CameraId> = document.cameras.iter().map(|camera| camera.id.clone()).collect();
     if args.markings {
-        for camera in &cameras {
-            carry_few(&mut document, location.folder(), camera, &options, messages)?;
-        }
+        carry_few(&mut document, location.folder(), &cameras, &options, messages)?;
     }
     let before = document.clone();
     let mut estimates = Vec::new();
@@ -173,28 +171,36 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 
-/// Carries the cameras of a video in which only a frame or two are clicked to its other frames, from a base by those clicks: their
-/// lines tell too little, those of the whole clip tell much.
+/// Carries the cameras of videos in which only a frame or two are known to their other frames, from a base by those: their lines tell
+/// too little, those of the whole clip tell much.
 fn carry_few(
     document: &mut Document,
     folder: &Path,
-    camera: &CameraId,
+    cameras: &[CameraId],
     options: &BaseOptions,
     messages: Messages,
 ) -> anyhow::Result<()> {
-    let of_camera = || document.frames.iter().filter(|frame| frame.camera == *camera);
-    let known = of_camera().filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1).count();
-    let is_clip = of_camera().any(|frame| frame.video.is_some() || frame.clip.is_some());
-    if known == 0 || known >= FRAMES_FOR_PAINT || !is_clip {
-        return Ok(());
+    let mut is_any = false;
+    for camera in cameras {
+        let of_camera = || document.frames.iter().filter(|frame| frame.camera == *camera);
+        let known = of_camera().filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1).count();
+        let is_clip = of_camera().any(|frame| frame.video.is_some() || frame.clip.is_some());
+        if known == 0 || known >= FRAMES_FOR_PAINT || !is_clip {
+            continue;
+        }
+        if document.camera(camera).and_then(Camera::base).is_none() {
+            let Ok(by_clicks) = estimate(document.at(folder), camera, options, false) else { continue };
+            by_clicks.write_camera(document);
+            solve_document(document, folder, &|| {})?;
+        }
+        let known = counted(known, "frame");
+        messages.note(&format!("{}: only {known} known: carried to the clip first", camera.as_str()));
+        is_any = true;
     }
-    if document.camera(camera).and_then(Camera::base).is_none() {
-        let Ok(by_clicks) = estimate(document.at(folder), camera, options, false) else { return Ok(()) };
-        by_clicks.write_camera(document);
-        solve_document(document, folder, &|| {})?;
+    if is_any {
+        // All cameras at once: each clip is carried by whatever is known of it.
+        carry(document, folder, None, &TrackClipOptions::default(), &|| false, messages)?;
     }
-    messages.note(&format!("{}: only {} known: carried to the clip first", camera.as_str(), counted(known, "frame")));
-    carry(document, folder, None, &TrackClipOptions::default(), &|| false, messages)?;
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! What the program suggests for a frame that nobody has decided on. In a file it stands in the frame; a program that edits
 //! the document takes it out, so that undo and redo leave it alone.
 
-use super::{Frame, FramePtz, FrameStatus, Solution};
+use super::{Document, Frame, FramePtz, FrameStatus, Solution};
 use crate::camera::CameraBase;
 
 /// A camera that the program suggests for a frame, or why it has none.
@@ -45,15 +45,16 @@ impl Frame {
         self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
     }
 
-    /// Whether another version of it, or its removal, lacks something that a person made here: the clicks with the decision, the
-    /// comment, masks, or landmarks clicked again.
-    pub(crate) fn gives_way_to(&self, other: Option<&Self>) -> bool {
+    /// Whether another document, by its version of it or for want of one, lacks something that a person made here: the clicks with
+    /// the decision, the comment, masks, or landmarks clicked again.
+    pub(crate) fn gives_way_in(&self, other: &Document) -> bool {
         let mine = self.without_suggestion();
-        let Some(theirs) = other.map(Self::without_suggestion) else {
+        let Some(theirs) = other.frames.by_id(&self.id).map(|frame| frame.without_suggestion()) else {
             return !mine.is_untouched() || mine.comment.is_some();
         };
-        let labels = |frame: &Self| (frame.clicks.clone(), frame.status, frame.reason);
-        (!mine.is_untouched() && labels(&mine) != labels(&theirs))
+        let has_same_labels =
+            (&mine.clicks, mine.status, mine.reason) == (&theirs.clicks, theirs.status, theirs.reason);
+        (!mine.is_untouched() && !has_same_labels)
             || (mine.comment.is_some() && mine.comment != theirs.comment)
             || (!mine.masks.is_empty() && mine.masks != theirs.masks)
             || (!mine.repeats.is_empty() && mine.repeats != theirs.repeats)

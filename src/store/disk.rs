@@ -11,7 +11,7 @@ use super::lock::{Lock, lock};
 use super::own_version::OwnVersion;
 use super::replay::Replay;
 use super::{DocumentStore, Location, Orphan, Others, Outside, ReadOnly, StoreError};
-use crate::document::{Document, Edit, Frame, History, common_base, document_from_bytes, document_to_string};
+use crate::document::{Document, Edit, History, common_base, document_from_bytes, document_to_string};
 use crate::files::{read_regular, read_regular_within, remove_stray_files};
 use std::fmt::Write as _;
 use std::fs;
@@ -558,9 +558,7 @@ impl DocumentStore for Store {
             Ok(None) => return Ok(None),
             Ok(Some(Outside { mut base, theirs })) => {
                 // Revisions cannot tell a later state from a fork of an earlier one with as many edits: what theirs lacks is kept.
-                let is_in_theirs =
-                    |frame: &Frame| !frame.gives_way_to(theirs.frames.by_id(&frame.id).map(|now| &**now));
-                base.frames = base.frames.iter().filter(|frame| is_in_theirs(frame)).cloned().collect();
+                base.frames = base.frames.iter().filter(|frame| !frame.gives_way_in(&theirs)).cloned().collect();
                 base
             }
             // What is no document takes nothing from what is held here.

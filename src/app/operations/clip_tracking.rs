@@ -11,6 +11,7 @@ use crate::calibrate::{
 };
 use crate::document::{Camera, Document, Frame, Step};
 use crate::field::FieldModel;
+use crate::media::ReadFrames;
 use crate::proposals::read_picture;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -81,10 +82,7 @@ impl Operation for ClipTracking {
         let mut evidence = (*self.evidence).clone();
         let watch = &mut |progress| context.report(progress);
         let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, watch)?;
-        let mut document = self.document.clone();
-        record_tracked(&mut document, &tracked);
-        let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, &self.folder).ok();
-        let length = length_on_lines(document.at(&self.folder), &mut picture).ok().flatten();
+        let length = if self.is_again() { None } else { self.measure_length(&tracked, &mut *reader) };
         Ok(CarriedClip { tracked, evidence: evidence.into(), length })
     }
 
@@ -109,6 +107,19 @@ impl ClipTracking {
     fn clip(&self) -> Option<ClipFrames> {
         let of_frame = |clip: &ClipFrames| clip.frames.iter().any(|frame| frame.place == Some(self.frame));
         clips(self.document.at(&self.folder), None).into_iter().find(of_frame)
+    }
+
+    /// Whether the clip was tracked before, and follows a correction.
+    fn is_again(&self) -> bool {
+        *self.evidence != ClipEvidence::default()
+    }
+
+    /// The length of the field that the tracked frames ask for, if it is another than was assumed.
+    fn measure_length(&self, tracked: &TrackedClip, reader: &mut dyn ReadFrames) -> Option<LengthOnLines> {
+        let mut document = self.document.clone();
+        record_tracked(&mut document, tracked);
+        let mut picture = |frame: &Frame| read_picture(reader, frame, &self.folder).ok();
+        length_on_lines(document.at(&self.folder), &mut picture).ok()?
     }
 
     /// The part of a tracked clip that a document still has: frames are found again by their ids, and those that people have
@@ -200,7 +211,7 @@ impl App {
         }
         let taken = tracking.still_open_in(&open.document, tracked);
         let count = taken.frames.len();
-        let is_again = *tracking.evidence != ClipEvidence::default();
+        let is_again = tracking.is_again();
         // What a correction replaces was carried itself: what stood before that is what can be had back.
         let replaced = |of: &TrackedFrame| open.document.frames.get(of.place).map(|frame| Frame::clone(frame));
         let before = match self.operations.clip_tracking.carried.take().filter(|_| is_again) {

@@ -167,8 +167,7 @@ impl App {
 
 /// The frames in which a merge put something else in place of what a person made, or that it removed.
 fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
-    let replaced =
-        before.frames.iter().filter(|frame| frame.gives_way_to(now.frames.by_id(&frame.id).map(|now| &**now)));
+    let replaced = before.frames.iter().filter(|frame| frame.gives_way_in(now));
     replaced.map(|frame| frame.name()).collect()
 }
 

@@ -54,7 +54,7 @@ pub(super) fn confidence(
     let uncertainty = uncertainty.with_exact_base();
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
     let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
-    let right = 1.0 - (-0.5 * (RIGHT_PX * px / sigma_px).powi(2)).exp();
+    let right = right_within(RIGHT_PX * px, sigma_px);
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);
     let is_contradicted = match paint {
         PaintVerdict::Agrees => false,
@@ -67,9 +67,11 @@ pub(super) fn confidence(
 /// How much of its certainty a camera keeps where the lines of the field's middle may lie off by this much, 1-σ, px: the rest of its
 /// picture stays right.
 pub(super) fn certainty_under_length(sigma_px: f64, size: ImageSize) -> f64 {
-    if sigma_px == 0.0 {
-        return 1.0;
-    }
-    let right = 1.0 - (-0.5 * (RIGHT_PX * size.scale_from_1920() / sigma_px).powi(2)).exp();
+    let right = right_within(RIGHT_PX * size.scale_from_1920(), sigma_px);
     right + CONTRADICTED * (1.0 - right)
+}
+
+/// The probability that an error is no larger, where it has a Rayleigh distribution; 1 where nothing is left open.
+fn right_within(px: f64, sigma_px: f64) -> f64 {
+    1.0 - (-0.5 * (px / sigma_px).powi(2)).exp()
 }

@@ -47,24 +47,22 @@ pub(super) struct ClipFit<'a> {
 /// A clip after its last adjustment.
 pub(super) struct FittedClip {
     pub adjusted: AdjustedClip,
-    /// What the paint says about each frame's adjusted camera.
-    pub paint: Vec<PaintVerdict>,
     /// Frames that were aligned to their painted lines.
     pub painted: usize,
-    /// Frames for whose earlier camera the paint speaks more.
+    /// What the paint says about the adjusted cameras.
+    pub judged: Judged,
+}
+
+/// What the paint says about the frames of a clip where the last adjustment has put them.
+pub(super) struct Judged {
+    /// About each frame's adjusted camera.
+    pub paint: Vec<PaintVerdict>,
+    /// Frames for whose earlier camera it speaks more.
     pub kept: BTreeSet<usize>,
     /// The share of each frame's paint that lies on no line; 0 where it was not asked, or shows too little.
     pub unexplained: Vec<f64>,
     /// Whether the paint of some frame lies as on a field of another length.
     pub is_of_other_field: bool,
-}
-
-/// What the paint says about the frames of a clip where the last adjustment has put them.
-struct Judged {
-    paint: Vec<PaintVerdict>,
-    kept: BTreeSet<usize>,
-    unexplained: Vec<f64>,
-    is_of_other_field: bool,
 }
 
 impl ClipFit<'_> {
@@ -93,8 +91,8 @@ impl ClipFit<'_> {
                 break;
             }
         }
-        let Judged { paint, kept, unexplained, is_of_other_field } = self.judge(&adjusted, reader, evidence, watch)?;
-        Ok(FittedClip { adjusted, paint, painted, kept, unexplained, is_of_other_field })
+        let judged = self.judge(&adjusted, reader, evidence, watch)?;
+        Ok(FittedClip { adjusted, painted, judged })
     }
 
     /// Adjusts all frames to the points, the known cameras and those aligned to paint.
@@ -162,7 +160,7 @@ impl ClipFit<'_> {
                     if keeps_earlier {
                         judged.kept.insert(frame);
                     }
-                    judged.is_of_other_field |= !self.is_size_fitted && check.is_of_other_field();
+                    judged.is_of_other_field |= self.is_of_other_field(&check);
                     unexplained = check.unexplained.unwrap_or(0.0);
                     known.unwrap_or_else(|| self.verdict_of(&check))
                 }
@@ -193,13 +191,17 @@ impl ClipFit<'_> {
 
     /// What a line check says about a camera.
     fn verdict_of(&self, check: &LineCheck) -> PaintVerdict {
-        let is_of_other_field = !self.is_size_fitted && check.is_of_other_field();
         match check.verdict() {
-            _ if is_of_other_field => PaintVerdict::Contradicts,
+            _ if self.is_of_other_field(check) => PaintVerdict::Contradicts,
             LineVerdict::Supports => PaintVerdict::Agrees,
             LineVerdict::Contradicts => PaintVerdict::Contradicts,
             LineVerdict::CannotSay => PaintVerdict::Silent,
         }
+    }
+
+    /// Whether a line check finds a field of another length than was assumed or typed.
+    fn is_of_other_field(&self, check: &LineCheck) -> bool {
+        !self.is_size_fitted && check.is_of_other_field()
     }
 
     /// What the paint said about a camera like this one; none where it was asked about others only.

@@ -4,7 +4,7 @@ use super::anchors::anchors;
 use super::certainty::{DIFFER_PX, PaintVerdict, certainty_under_length, confidence, with_common};
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
-use super::fit::{ClipFit, FittedClip};
+use super::fit::{ClipFit, FittedClip, Judged};
 use super::frames::ClipFrames;
 use super::options::{TrackClipOptions, WatchClip};
 use super::pictures::ClipPictures;
@@ -137,8 +137,8 @@ pub fn track_clip(
         is_size_fitted,
         options,
     };
-    let FittedClip { adjusted, paint, painted, kept, unexplained, is_of_other_field } =
-        fit.adjust_to_paint(reader, evidence, watch)?;
+    let FittedClip { adjusted, painted, judged } = fit.adjust_to_paint(reader, evidence, watch)?;
+    let Judged { paint, kept, unexplained, is_of_other_field } = judged;
     let is_length_open = *spec.size() == FieldSize::Assumed || is_of_other_field;
     let open = spec.template(at.folder).ok().filter(|_| is_length_open).map(|template| OpenSize::new(template, field));
     let shown: Vec<(Ptz, ImageSize)> = anchors
@@ -146,7 +146,7 @@ pub fn track_clip(
         .filter(|anchor| paint[anchor.frame] != PaintVerdict::Contradicts)
         .map(|anchor| (anchor.ptz, size))
         .collect();
-    let unseen = open.as_ref().and_then(|open| UnseenLength::new(open, field, &base, &shown));
+    let unseen = open.and_then(|open| UnseenLength::new(open, field, &base, &shown));
 
     let raw: Vec<Option<Ptz>> = adjusted.frames.iter().map(|frame| frame.map(|frame| frame.ptz)).collect();
     let smoothed = if options.smooth { smoothed(at, clip, &adjusted) } else { raw.clone() };

@@ -6,20 +6,16 @@ use super::error::Stop;
 use super::held::hold_on_paint;
 use super::traces::PictureOfFrame;
 use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
-use crate::calibrate::{BaseOnPaintError, EstimatedBase, estimate_on_paint};
+use crate::calibrate::{BaseOnPaintError, EstimatedBase, covariance_on_paint, estimate_on_paint};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{CameraId, DocumentAt, Frame};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec3};
 use crate::solve::base::BaseOptions;
-use crate::solve::covariance_of_four_points;
 use std::collections::BTreeMap;
 
 /// What is seen once more from the same pictures is known no better than half of what it moved by.
 const OF_MOVE: f64 = 0.5;
-
-/// What a frame's painted lines tell of it: four points this well known, px at 1920 px width.
-const PAINT_PX: f64 = 1.0;
 
 /// A base adjusted once more.
 pub(super) struct Refined {
@@ -83,12 +79,7 @@ impl Refined {
         let held = |(frame, ptz): (usize, &Option<Ptz>)| {
             let ptz = (*ptz)?;
             let camera = PtzCamera::new(self.estimated.estimate.base, ptz);
-            hold_on_paint(
-                frame,
-                ptz,
-                &covariance_of_four_points(&camera, size, PAINT_PX * size.scale_from_1920()),
-                size,
-            )
+            hold_on_paint(frame, ptz, &covariance_on_paint(&camera, size), size)
         };
         let paint_priors = ptz.iter().enumerate().filter_map(held).collect();
         ViewGraph { ptz, paint_priors, ..view_graph }

@@ -63,8 +63,7 @@ impl<'a> Work<'a> {
         }
         self.journal();
         // Another program may have replaced what was read or written here, and nobody else would keep what stood there.
-        let is_replaced = || !matches!(self.store.since(), Ok(None));
-        if self.behind_since.is_some() || is_replaced() {
+        if self.behind_since.is_some() || !matches!(self.store.since(), Ok(None)) {
             self.save(Others::Stay);
         }
     }
