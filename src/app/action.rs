@@ -350,8 +350,8 @@ pub enum Action {
         revision: u64,
         /// The local time, "12:03:41".
         at: String,
-        /// The document itself was written, not only the journal.
-        whole: bool,
+        /// The document itself was written, not only the journal: the last [`Effect::Save`](super::Effect::Save) before that.
+        document: Option<u64>,
     },
     /// Edits are only in memory.
     SaveFailed(String),

@@ -40,7 +40,10 @@ pub enum Effect {
         revision: u64,
     },
     /// Write the document: the saver has every edit already.
-    Save,
+    Save {
+        /// Counts these, so that the answer is known from an earlier write.
+        request: u64,
+    },
     /// Write the document although another program changed the file; that version is set aside.
     SaveOver,
     /// Report what another program made of the document: `Action::Outside`.

@@ -72,6 +72,8 @@ pub struct Session {
     pub told: Vec<(Level, String)>,
     /// How far what was done is on disk.
     pub saving: Saving,
+    /// How often the document was asked to be written.
+    pub save_requests: u64,
     /// What is being done about the camera's base.
     pub base: BaseWork,
     /// A change after which many frames are solved again, while it is worked out.

@@ -219,7 +219,7 @@ impl Runner {
             Effect::JournalWhole { document, history, revision } => {
                 self.tell_saver(|saver| saver.whole(*document, *history, revision));
             }
-            Effect::Save => self.tell_saver(Saver::save),
+            Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
             Effect::SaveOver => self.tell_saver(Saver::save_over),
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
             Effect::ReadOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
@@ -464,13 +464,13 @@ impl Runner {
 
 fn actions_of(report: SaverReport) -> Vec<Action> {
     match report {
-        SaverReport::Journaled { revision, at } => vec![Action::Saved { revision, at: clock(at), whole: false }],
-        SaverReport::Saved { revision, at, set_aside } => {
+        SaverReport::Journaled { revision, at } => vec![Action::Saved { revision, at: clock(at), document: None }],
+        SaverReport::Saved { revision, at, request, set_aside } => {
             let said = set_aside.map(|path| {
                 let text = format!("Another program changed the document; its version is kept as {}.", path.display());
                 Action::Notify(Level::Warning, text)
             });
-            said.into_iter().chain([Action::Saved { revision, at: clock(at), whole: true }]).collect()
+            said.into_iter().chain([Action::Saved { revision, at: clock(at), document: Some(request) }]).collect()
         }
         SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
         SaverReport::ChangedOutside { path, own } => vec![Action::ChangedOutside { path, own }],

@@ -78,7 +78,7 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
     assert!(journalled >= 4, "every edit goes to the journal at once: {journalled}");
     assert_eq!(bench.app.session.saving, Saving::Pending);
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Saved { revision, at: "12:03:41".into(), whole: true });
+    bench.act(Action::Saved { revision, at: "12:03:41".into(), document: Some(0) });
     assert_eq!(bench.app.session.saving, Saving::Saved { at: "12:03:41".into() });
 }
 
@@ -344,11 +344,14 @@ fn closing_waits_until_everything_is_on_disk() {
     bench.place("centre_mark");
     bench.effects.clear();
     bench.act(Action::CloseRequested);
-    assert!(matches!(bench.effects[..], [Effect::Save]), "{:?}", bench.effects);
+    let [Effect::Save { request }] = bench.effects[..] else { panic!("{:?}", bench.effects) };
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Saved { revision: revision - 1, at: "1".into(), whole: true });
+    bench.act(Action::Saved { revision: revision - 1, at: "1".into(), document: Some(request) });
     assert!(!bench.effects.contains(&Effect::Close));
-    bench.act(Action::Saved { revision, at: "2".into(), whole: true });
+    // A write of before the request says nothing of what another program has done since.
+    bench.act(Action::Saved { revision, at: "1".into(), document: Some(request - 1) });
+    assert!(!bench.effects.contains(&Effect::Close));
+    bench.act(Action::Saved { revision, at: "2".into(), document: Some(request) });
     assert!(bench.effects.contains(&Effect::Close));
 }
 

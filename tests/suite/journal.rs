@@ -406,8 +406,8 @@ fn the_saver_writes_the_document_from_time_to_time_and_on_request() {
     let saved = |report: &SaverReport| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(());
     wait_for(&saver, saved);
     assert!(fs::read_to_string(path.join("project.json")).unwrap().contains("\"rain\""));
-    saver.save();
-    wait_for(&saver, saved);
+    saver.save(7);
+    wait_for(&saver, |report| matches!(report, SaverReport::Saved { revision: 1, request: 7, .. }).then_some(()));
     assert!(saver.close().is_empty(), "nothing was left to do");
 }
 

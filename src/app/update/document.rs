@@ -111,7 +111,8 @@ impl App {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
-            self.effects.push(Effect::Save);
+            self.session.save_requests += 1;
+            self.effects.push(Effect::Save { request: self.session.save_requests });
         }
     }
 
@@ -139,18 +140,18 @@ impl App {
         }
     }
 
-    pub(super) fn saved(&mut self, revision: u64, at: String, whole: bool) {
+    pub(super) fn saved(&mut self, revision: u64, at: String, document: Option<u64>) {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
             self.session.saving = Saving::Saved { at };
-            if whole {
+            if document.is_some() {
                 self.session.changed_outside = None;
                 // The document holds it now.
                 if let Some(own) = self.session.own_version.take() {
                     self.session.orphans.retain(|orphan| orphan.path != own);
                 }
             }
-            self.go_on_leaving(whole);
+            self.go_on_leaving(document);
         }
     }
 

@@ -38,11 +38,12 @@ impl App {
     }
 
     /// Every edit is on disk, in the document or in the journal: goes on with what waited for that. What waits for the document
-    /// itself goes on when that is written.
-    pub(super) fn go_on_leaving(&mut self, whole: bool) {
+    /// itself goes on when the last request to write it is answered: another program may have replaced what was written before.
+    pub(super) fn go_on_leaving(&mut self, document: Option<u64>) {
+        let is_answered = document == Some(self.session.save_requests);
         if self.session.leaving.is_none() {
             self.leave_unsaved();
-        } else if whole && let Some(leaving) = self.session.leaving.take() {
+        } else if is_answered && let Some(leaving) = self.session.leaving.take() {
             self.leave(leaving);
         }
     }

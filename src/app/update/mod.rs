@@ -236,7 +236,7 @@ impl App {
             Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
             Action::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
             Action::CameraLoaded(camera) => self.camera_loaded(&camera),
-            Action::Saved { revision, at, whole } => self.saved(revision, at, whole),
+            Action::Saved { revision, at, document } => self.saved(revision, at, document),
             Action::SaveFailed(message) => self.save_failed(message),
             Action::Copied(path) => {
                 self.session.copies.written = self.session.copies.begun.take();

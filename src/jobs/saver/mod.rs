@@ -54,6 +54,8 @@ pub enum SaverReport {
         revision: Revision,
         /// When, local time.
         at: jiff::civil::Time,
+        /// The last request of [`Saver::save`] that had been taken by then; 0 before the first.
+        request: u64,
         /// Where the version of another program went, if it was replaced.
         set_aside: Option<PathBuf>,
     },
@@ -99,6 +101,8 @@ struct Orders {
     edits: Vec<(Edit, Revision)>,
     /// Write the document.
     save: Option<Others>,
+    /// The last request to write it.
+    save_request: u64,
     /// Report what others made of the document.
     read_outside: bool,
 }
@@ -106,7 +110,7 @@ struct Orders {
 impl Orders {
     /// All of them, if there are any.
     fn take(&mut self) -> Option<Self> {
-        let Self { whole, edits, save, read_outside } = &self;
+        let Self { whole, edits, save, save_request: _, read_outside } = &self;
         let is_any = whole.is_some() || !edits.is_empty() || save.is_some() || *read_outside;
         is_any.then(|| std::mem::take(self))
     }
@@ -153,10 +157,12 @@ impl Saver {
         drop(replaced);
     }
 
-    /// Asks for the document to be written now; never waits.
-    pub fn save(&self) {
+    /// Asks for the document to be written now; never waits. The report of a write names the last request before it, so that an
+    /// earlier write is not mistaken for the answer: another program may have replaced the file in between.
+    pub fn save(&self, request: u64) {
         self.order(|orders| {
             orders.save.get_or_insert(Others::Stay);
+            orders.save_request = request;
         });
     }
 

@@ -19,6 +19,8 @@ pub(super) struct Work<'a> {
     latest_revision: Revision,
     /// The edits that lead from `journaled` to `latest`.
     to_journal: Vec<Edit>,
+    /// The last request to write the document.
+    save_request: u64,
     /// An edit did not fit: nothing is known of the document until it is given as a whole.
     needs_whole: bool,
     /// Since when the document's file lacks edits.
@@ -45,6 +47,7 @@ impl<'a> Work<'a> {
             history,
             latest_revision: 0,
             to_journal: Vec::new(),
+            save_request: 0,
             needs_whole: false,
             journal_refused: false,
             options,
@@ -68,7 +71,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    fn obey(&mut self, Orders { whole, edits, save, read_outside }: Orders) {
+    fn obey(&mut self, Orders { whole, edits, save, save_request, read_outside }: Orders) {
         if let Some((whole, revision)) = whole {
             self.take_whole(*whole, revision);
         }
@@ -79,6 +82,7 @@ impl<'a> Work<'a> {
             self.journal();
         }
         if let Some(others) = save {
+            self.save_request = self.save_request.max(save_request);
             self.journal();
             self.save(others);
         }
@@ -190,7 +194,8 @@ impl<'a> Work<'a> {
         self.to_journal.clear();
         self.journaled = self.latest.shown().clone();
         self.journaled_revision = self.latest_revision;
-        self.report(SaverReport::Saved { revision: self.latest_revision, at: now(), set_aside });
+        let (revision, request) = (self.latest_revision, self.save_request);
+        self.report(SaverReport::Saved { revision, at: now(), request, set_aside });
     }
 
     fn read_outside(&mut self) {
