@@ -34,16 +34,16 @@ test-formats: build-packages ## exports read by each consumer's own reader, each
 	@.ci/formats
 
 check: build-packages ## formatting, lints and documentation, warnings refused
-	cargo fmt --check
-	cargo clippy --all-targets -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --features experiments -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --features experiments
 
 schema: build-packages ## make the JSON Schema of documents from their types again
 	cargo run --quiet --no-default-features --features schema --bin document-schema > target/touchline.schema.json
 	mv target/touchline.schema.json assets/touchline.schema.json
 
 bench: build-packages ## run the benchmarks (tests/benches/README.md has past figures)
-	cargo bench
+	cargo bench --workspace --benches
 
 reliability: run-packages ## kills, failing and full disks, damaged files (tests/reliability/README.md)
 	@.ci/reliability
@@ -70,9 +70,9 @@ pictures: build-packages ## take the pictures of the user guide and of README in
 experiments experiments-real: export TOUCHLINE_COMMIT = $(shell git describe --always --dirty 2>/dev/null)
 
 experiments: build-packages ## measure the paper's tables and figures again, into tests/experiments
-	cargo build --release
+	cargo build --release --features experiments
 	rm -rf target/experiments
-	cargo run --release --quiet -- experiment all -o target/experiments
+	cargo run --release --quiet --features experiments -- experiment all -o target/experiments
 	mkdir -p tests/experiments && rm -f tests/experiments/*.*
 	cd target/experiments && cp README.md *-sheet.png *.svg ../../tests/experiments/
 	printf '\n%s\n' 'Real frames and real cameras, measured: [real/README.md](real/README.md).' >> tests/experiments/README.md
@@ -81,12 +81,12 @@ experiments: build-packages ## measure the paper's tables and figures again, int
 # `touchline experiment --help` names. No picture of it is kept.
 experiments-real: build-packages ## the same on real data, into tests/experiments/real: make experiments-real DATA=DIR
 	@test -n "$(DATA)" || { echo "give the folder of the data: make experiments-real DATA=DIR"; exit 2; }
-	cargo build --release
+	cargo build --release --features experiments
 	rm -rf target/real && mkdir -p target/real
 	for clicks in $(DATA)/*/clicks.json; do \
-	    cargo run --release --quiet -- refine-base $$clicks -o target/real/$$(basename $$(dirname $$clicks)).json || exit 1; \
+	    cargo run --release --quiet --features experiments -- refine-base $$clicks -o target/real/$$(basename $$(dirname $$clicks)).json || exit 1; \
 	done
-	cargo run --release --quiet -- experiment all --data $(DATA) -o target/real/report \
+	cargo run --release --quiet --features experiments -- experiment all --data $(DATA) -o target/real/report \
 	    $$(for document in target/real/*.json; do echo --train $$document; done)
 	rm -rf tests/experiments/real && mkdir -p tests/experiments/real
 	cd target/real/report && cp *.svg ../../../tests/experiments/real/

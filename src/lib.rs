@@ -23,66 +23,58 @@
 //! programs. Without default features neither wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
 //! `experiments`, `jobs`, `render`, `report`, `scene`, `ui`) are public for its binary and tests alone and may change at any time.
 //!
-//! # Rooms and floors
+//! # Crates, rooms and floors
 //!
-//! The top-level modules (rooms) are layered in floors: a room uses only rooms on lower floors, never one on its own floor
-//! (`tests/suite/architecture.rs` reads this table and checks it). Frames, signs and units of all numbers: [`conventions`].
+//! The library is several crates in one workspace, each a folder below `src` with the same version; this one hands all of them out
+//! under the names of their rooms, so that `touchline` is the only one to depend on. Cargo sees to it that none uses what stands
+//! above it:
+//!
+//! | crate | rooms |
+//! |---|---|
+//! | `touchline` | `ui`, `cli` |
+//! | `touchline-experiments` | the paper's tables and figures, measured again |
+//! | `touchline-application` | `app` (the whole application without a window), `jobs` (the only detached threads), `render` (wgpu, no egui), `scene` (what is drawn, as plain data) |
+//! | `touchline-calibration` | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other) |
+//! | `touchline-documents` | [`document`] (typed schema, edits, history), [`store`] (where a document lives), [`exchange`] (foreign formats), `report` (tables, figures, Markdown) |
+//! | `touchline-vision` | [`media`] (frames of folders and videos), [`features`] (SIFT of a picture), [`paint`] (painted lines in pixels: the line check, snapping), [`relocalize`] (the pan-tilt forest, pose from its rays), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
+//! | `touchline-core` | [`camera`], [`field`], [`markings`] (the field's lines as a camera sees them), [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`geometry`], [`files`] (opening files that may come from anybody) |
+//!
+//! What the program ships beside its code (fields, schema, guide, shaders) are the crates `touchline-assets` and
+//! `touchline-shaders` in `assets` and `shaders`. Within a crate the rooms stand on floors, which its `lib.rs` draws: a room uses only
+//! rooms on lower floors, never one on its own floor (`tests/suite/architecture.rs` reads those tables and checks them). The rooms of
+//! this crate:
 //!
 //! | floor | rooms |
 //! |---|---|
 //! | 8 | `ui` (egui only here), `cli` (one file per command) |
-//! | 7 | `jobs` (the only detached threads), `render` (wgpu, no egui) |
-//! | 6 | `app` (the whole application without a window), `experiments` (tables and figures of what was measured) |
-//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
-//! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
-//! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
-//! | 2 | [`markings`] (the field's lines as a camera sees them) |
-//! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
-//! | 0 | [`geometry`], [`files`] (opening files that may come from anybody) |
 //!
-//! Within floor 5, `evaluate` uses `calibrate`.
+//! Frames, signs and units of all numbers: [`conventions`].
 
-#[doc = include_str!("conventions.md")]
-pub mod conventions {}
-
-#[doc(hidden)]
-pub mod app;
-pub mod calibrate;
-pub mod camera;
 #[doc(hidden)]
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod document;
-pub mod evaluate;
-pub mod exchange;
-#[doc(hidden)]
-pub mod experiments;
-pub mod features;
-pub mod field;
-pub mod files;
-pub mod geometry;
-#[doc(hidden)]
-pub mod jobs;
-pub mod markings;
-pub mod media;
-pub mod paint;
-pub mod proposals;
-pub mod relocalize;
-#[doc(hidden)]
-#[cfg(feature = "render")]
-pub mod render;
-#[doc(hidden)]
-pub mod report;
-#[doc(hidden)]
-pub mod scene;
-pub mod score;
-pub mod solve;
-pub mod store;
-pub mod synthetic;
-pub mod track;
 #[doc(hidden)]
 #[cfg(feature = "gui")]
 pub mod ui;
+
+#[cfg(feature = "render")]
+#[doc(hidden)]
+pub use touchline_application::render;
+#[doc(hidden)]
+pub use touchline_application::{app, jobs, scene};
+#[doc(inline)]
+pub use touchline_calibration::{calibrate, evaluate, proposals};
+#[doc(inline)]
+pub use touchline_core::{camera, conventions, field, files, geometry, markings, score, solve};
+#[doc(hidden)]
+pub use touchline_documents::report;
+#[doc(inline)]
+pub use touchline_documents::{document, exchange, store};
+#[cfg(feature = "experiments")]
+#[doc(hidden)]
+pub use touchline_experiments as experiments;
+#[doc(inline)]
+pub use touchline_vision::{features, media, paint, relocalize, synthetic, track};
 
 /// The README's example is compiled with the tests.
 #[cfg(doctest)]

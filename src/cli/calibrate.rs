@@ -6,15 +6,6 @@ use super::new::parameter;
 use super::other_cameras::split_off;
 use super::output::{refuse_existing, write_file};
 use super::rest::answer_the_rest;
-use crate::calibrate::{
-    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, describe_size,
-    record_found,
-};
-use crate::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
-use crate::media::{FrameReader, FrameSource};
-use crate::proposals::{PictureError, read_picture};
-use crate::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
-use crate::store::Location;
 use anyhow::{Context as _, ensure};
 use image::DynamicImage;
 use std::collections::BTreeSet;
@@ -22,6 +13,15 @@ use std::io::Cursor;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
+use touchline_calibration::calibrate::{
+    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, describe_size,
+    record_found,
+};
+use touchline_calibration::proposals::{PictureError, read_picture};
+use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
+use touchline_documents::store::Location;
+use touchline_vision::media::{FrameReader, FrameSource};
 
 /// Makes a project from a folder of images or a video and finds its camera without a click: where it stands, its lens, and
 /// each frame's pan, tilt and focal length, as suggestions. The frames that were not looked at follow from those that were.
@@ -62,7 +62,7 @@ pub struct CalibrateArgs {
 /// The folder exists, the field is not valid, the frames cannot be read, or the result cannot be written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
-    crate::store::refuse_open(&args.output)?;
+    touchline_documents::store::refuse_open(&args.output)?;
     ensure!(
         args.output.is_dir() || !args.output.exists(),
         "{} is a file; give a folder for the project",
@@ -106,7 +106,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let all = with_others(&mut document, &folder, (camera, *found), args.look_at as usize, messages)?;
     let rest = if args.found_only { (0, 0) } else { answer_the_rest(&mut document, &folder, &all, messages)? };
     let location = Location::for_new_document(&folder.join(""))?;
-    crate::store::write_document(&location, &document, args.force)?;
+    touchline_documents::store::write_document(&location, &document, args.force)?;
     new_folder.keep();
     messages.note(&format!(
         "{}: {} frames, {} with a suggested camera, {} of them snapped to the painted lines",

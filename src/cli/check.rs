@@ -4,11 +4,13 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::print;
-use crate::calibrate::{Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values};
-use crate::document::Document;
-use crate::files::plain;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use touchline_calibration::calibrate::{
+    Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values,
+};
+use touchline_core::files::plain;
+use touchline_documents::document::Document;
 
 /// Lists everything wrong with a document; exit 1 if there is anything.
 #[derive(clap::Args, Debug)]

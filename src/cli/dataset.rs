@@ -3,16 +3,16 @@
 use super::Outcome;
 use super::interrupt::Interrupt;
 use super::messages::Messages;
-use crate::document::{DocumentAt, FrameStatus};
-use crate::exchange::{
-    DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
-    write_dataset as write,
-};
-use crate::geometry::counted;
-use crate::media::FrameReader;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use touchline_core::geometry::counted;
+use touchline_documents::document::{DocumentAt, FrameStatus};
+use touchline_documents::exchange::{
+    DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
+    write_dataset as write,
+};
+use touchline_vision::media::FrameReader;
 
 /// What a dataset may be told.
 #[derive(clap::Args, Debug)]

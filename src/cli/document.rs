@@ -2,10 +2,10 @@
 
 use super::messages::Messages;
 use super::output::{is_pipe_or_device, print, refuse_existing, write_file};
-use crate::document::Document;
-use crate::store::{Location, refuse_open};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use touchline_documents::document::Document;
+use touchline_documents::store::{Location, refuse_open};
 
 /// The document that a command reads.
 #[derive(clap::Args, Debug)]
@@ -40,7 +40,7 @@ impl DocumentArg {
     /// # Errors
     /// There is no document, or it cannot be read.
     pub fn load(&self, messages: Messages) -> anyhow::Result<Loaded> {
-        let (location, document, recovery) = crate::store::read(&self.document)?;
+        let (location, document, recovery) = touchline_documents::store::read(&self.document)?;
         if let Some(message) = recovery.message() {
             messages.note(&message);
         }
@@ -83,7 +83,7 @@ impl DocumentOutput {
             let here = std::env::current_dir()?;
             let document = document.relocated(folder, &here);
             refuse_unwritable(&document, &here)?;
-            let text = crate::document::document_to_string(&document)?;
+            let text = touchline_documents::document::document_to_string(&document)?;
             return match &self.output {
                 Some(pipe) => write_file(pipe, text.as_bytes(), self.force),
                 None => print(&text),
@@ -93,6 +93,6 @@ impl DocumentOutput {
         let location = Location::for_new_document(path)?;
         let document = document.relocated(folder, location.folder());
         refuse_unwritable(&document, location.folder())?;
-        Ok(crate::store::write_document(&location, &document, self.force)?)
+        Ok(touchline_documents::store::write_document(&location, &document, self.force)?)
     }
 }

@@ -2,15 +2,16 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
-use super::experiment::write_report;
 use super::messages::Messages;
-use super::output::{print, refuse_existing, write_file};
-use crate::evaluate::{Agreement, Evaluation, FrameGroup, agreement, evaluate as evaluated};
-use crate::experiments::{agreement_json, agreement_tables, evaluation_report, evaluation_tables, frame_scores};
-use crate::report::Table;
+use super::output::{print, refuse_existing, write_file, write_report};
 use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
+use touchline_calibration::evaluate::{
+    Agreement, Evaluation, FrameGroup, agreement, agreement_json, agreement_tables, evaluate as evaluated,
+    evaluation_report, evaluation_tables, frame_scores,
+};
+use touchline_documents::report::Table;
 
 /// Compares the cameras of a document with those (or the clicks) of another one: `IoU`, angles, focal length, reprojection,
 /// markings found.

@@ -3,13 +3,13 @@
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
-use super::output::{refuse_existing, write_file};
-use crate::experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, page};
-use crate::report::{Provenance, Report};
+use super::output::{refuse_existing, write_file, write_report};
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
+
+use std::path::PathBuf;
+use touchline_documents::report::{Provenance, Report};
+use touchline_experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, page};
 
 /// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a report in Markdown.
 ///
@@ -133,18 +133,6 @@ fn chosen(
     };
     let all = args.experiments.0.iter().copied().filter(wanted);
     Ok(all.partition(|experiment| !experiment.needs_data() || inputs.given_for(*experiment).is_ok()))
-}
-
-/// Writes the files of a report into a folder, which is made.
-///
-/// # Errors
-/// A figure cannot be drawn, or a file is there already or cannot be written.
-pub(super) fn write_report(report: &Report, folder: &Path, force: bool) -> anyhow::Result<()> {
-    fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    for (name, bytes) in report.files()? {
-        write_file(&folder.join(name), &bytes, force)?;
-    }
-    Ok(())
 }
 
 fn own_documents(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Option<OwnDocuments>> {

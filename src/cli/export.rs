@@ -5,16 +5,16 @@ use super::dataset::{DatasetArgs, write_dataset};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
-use crate::document::{FrameStatus, Stage};
-use crate::exchange::{
-    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Timecode, Zoom,
-    export as export_document,
-};
-use crate::files::read_named_text;
-use crate::geometry::{ImageSize, Vec3, counted};
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
+use touchline_core::files::read_named_text;
+use touchline_core::geometry::{ImageSize, Vec3, counted};
+use touchline_documents::document::{FrameStatus, Stage};
+use touchline_documents::exchange::{
+    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Timecode, Zoom,
+    export as export_document,
+};
 
 /// The largest table or map of labels that is read.
 pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;

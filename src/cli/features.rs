@@ -1,8 +1,8 @@
 //! Whether features are kept beside the document.
 
 use super::messages::Messages;
-use crate::proposals::{FeatureStore, WorkFolder};
 use std::path::Path;
+use touchline_calibration::proposals::{FeatureStore, WorkFolder};
 
 /// Whether features are kept.
 #[derive(clap::Args, Debug)]

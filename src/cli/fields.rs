@@ -4,12 +4,6 @@ use super::Outcome;
 use super::messages::Messages;
 use super::new::parameter;
 use super::output::{print, refuse_existing, write_file};
-use crate::field::{Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named};
-use crate::geometry::Vec3;
-use crate::render::{Layer, Offscreen, View};
-use crate::scene::OverlayStyle;
-use crate::scene::field_map::{FieldMap, SURROUND, field_map};
-use crate::scene::overlay::OverlayScene;
 use anyhow::{Context as _, bail};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -17,6 +11,12 @@ use std::fmt::Write as _;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use touchline_application::render::{Layer, Offscreen, View};
+use touchline_application::scene::OverlayStyle;
+use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
+use touchline_application::scene::overlay::OverlayScene;
+use touchline_core::field::{Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named};
+use touchline_core::geometry::Vec3;
 
 /// Ground around the field on a PNG, m.
 const MAP_MARGIN_M: f64 = 3.0;

@@ -5,11 +5,11 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
 use super::messages::Messages;
 use super::new::{parameter, read_field};
-use crate::exchange::{Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document};
-use crate::files::read_named_text;
-use crate::geometry::{ImageSize, counted};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
+use touchline_core::files::read_named_text;
+use touchline_core::geometry::{ImageSize, counted};
+use touchline_documents::exchange::{Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]

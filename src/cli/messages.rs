@@ -1,8 +1,8 @@
 //! Messages of a command on standard error: text lines, or one JSON object per line.
 
-use crate::files::plain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
+use touchline_core::files::plain;
 
 /// How messages are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,6 +9,10 @@ mod check;
 mod dataset;
 mod document;
 mod evaluate;
+#[cfg(feature = "experiments")]
+mod experiment;
+#[cfg(not(feature = "experiments"))]
+#[path = "no_experiments.rs"]
 mod experiment;
 mod export;
 mod features;
@@ -54,6 +58,7 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
     Check(check::CheckArgs),
     Evaluate(evaluate::EvaluateArgs),
+    #[cfg_attr(not(feature = "experiments"), command(hide = true))]
     Experiment(experiment::ExperimentArgs),
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
@@ -184,7 +189,7 @@ mod tests {
     #[test]
     fn a_cause_is_said_once() {
         let cause = || std::io::Error::other("no space");
-        let named = crate::exchange::ExchangeError::Write { path: "a".into(), source: cause() };
+        let named = touchline_documents::exchange::ExchangeError::Write { path: "a".into(), source: cause() };
         assert_eq!(said_once(&anyhow::Error::from(named)), "cannot write a: no space");
         let wrapped = Err::<(), _>(cause()).context("cannot read the map").unwrap_err();
         assert_eq!(said_once(&wrapped), "cannot read the map: no space");

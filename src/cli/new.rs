@@ -4,12 +4,12 @@ use super::Outcome;
 use super::document::refuse_unwritable;
 use super::messages::Messages;
 use super::output::refuse_existing;
-use crate::document::{FieldSpec, document_from_frames};
-use crate::geometry::counted;
-use crate::media::FrameSource;
-use crate::store::Location;
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
+use touchline_core::geometry::counted;
+use touchline_documents::document::{FieldSpec, document_from_frames};
+use touchline_documents::store::Location;
+use touchline_vision::media::FrameSource;
 
 /// Makes a project from a folder of images or a video. The frames stay where they are.
 #[derive(clap::Args, Debug)]
@@ -74,7 +74,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     ensure!(!made.document.frames.is_empty(), "{}: none of the images can be read", args.frames.display());
     refuse_unwritable(&made.document, &folder)?;
     let location = Location::for_new_document(&folder.join(""))?;
-    crate::store::write_document(&location, &made.document, args.force)?;
+    touchline_documents::store::write_document(&location, &made.document, args.force)?;
     messages.note(&format!("{}: {}", location.file().display(), counted(made.document.frames.len(), "frame")));
     Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

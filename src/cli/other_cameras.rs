@@ -1,7 +1,7 @@
 //! The other cameras of a video or folder: frames that hang together with none of a camera's frames are another camera's.
 
-use crate::document::{Camera, CameraId, Document};
 use std::collections::BTreeMap;
+use touchline_documents::document::{Camera, CameraId, Document};
 
 /// Fewer frames are not looked at for a camera of their own.
 const FEWEST: usize = 6;
@@ -55,8 +55,8 @@ fn first_name(camera: &CameraId) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, Frame};
-    use crate::geometry::ImageSize;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, Frame};
 
     #[test]
     fn frames_between_two_of_another_camera_are_its_own() {

@@ -1,11 +1,12 @@
 //! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
 //! pipes and devices are written through.
 
-use crate::files::{refuse_part_of_project, remove_stray_files, temporary_file_in, way_out};
-use crate::store::{write_new, write_output};
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::Path;
+use touchline_core::files::{refuse_part_of_project, remove_stray_files, temporary_file_in, way_out};
+use touchline_documents::report::Report;
+use touchline_documents::store::{write_new, write_output};
 
 /// Refuses a path that exists, unless `force`, and one where nothing can be written; to be called before the work begins.
 ///
@@ -65,6 +66,18 @@ pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> 
         bail!("{} was made by another program meanwhile; give --force to replace it, or another -o", path.display());
     }
     written.map_err(|error| anyhow!("cannot write {}: {error}{}", path.display(), way_out(&error)))
+}
+
+/// Writes the files of a report into a folder, which is made.
+///
+/// # Errors
+/// A figure cannot be drawn, or a file is there already or cannot be written.
+pub fn write_report(report: &Report, folder: &Path, force: bool) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    for (name, bytes) in report.files()? {
+        write_file(&folder.join(name), &bytes, force)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -4,19 +4,19 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use super::track::carry;
-use crate::calibrate::{
-    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, TrackClipOptions,
-    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases, solve_document,
-};
-use crate::document::{Camera, CameraId, Document, DocumentAt, Frame};
-use crate::geometry::counted;
-use crate::media::{FrameReader, Picture};
-use crate::proposals::read_picture;
-use crate::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use clap::ValueEnum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
+use touchline_calibration::calibrate::{
+    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, TrackClipOptions,
+    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases, solve_document,
+};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::geometry::counted;
+use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
+use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, Frame};
+use touchline_vision::media::{FrameReader, Picture};
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
 /// frame is solved with them, statuses stay.

@@ -6,19 +6,21 @@ use super::features::{FeaturesArg, tell_refusal};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::output::write_file;
-use crate::app::where_to_label::where_to_label;
-use crate::document::{Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between};
-use crate::files::read_named;
-use crate::geometry::counted;
-use crate::media::{FrameReader, FrameSource, image_size};
-use crate::proposals::{
-    Coverage, FramePictures, KeyWindow, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose,
-};
-use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use touchline_application::app::where_to_label::where_to_label;
+use touchline_calibration::proposals::{
+    Coverage, FramePictures, KeyWindow, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose,
+};
+use touchline_core::files::read_named;
+use touchline_core::geometry::counted;
+use touchline_documents::document::{
+    Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
+};
+use touchline_vision::media::{FrameReader, FrameSource, image_size};
+use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 
 /// The largest forest that is read.
 const MAX_FOREST_BYTES: u64 = 8 << 30;
@@ -212,7 +214,7 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
 
 /// A project folder, or a JSON file.
 fn is_document(path: &Path) -> bool {
-    path.join(crate::store::PROJECT_FILE).is_file()
+    path.join(touchline_documents::store::PROJECT_FILE).is_file()
         || path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 

@@ -4,21 +4,21 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::camera::PtzCamera;
-use crate::document::{Document, Frame, FrameStatus};
-use crate::field::FieldModel;
-use crate::geometry::ImageSize;
-use crate::media::{self, FrameReader};
-use crate::proposals::read_picture;
-use crate::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
-use crate::scene::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
-use crate::scene::overlay::{OverlayScene, Standing, overlay};
-use crate::scene::{OverlayStyle, PictureLook};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use touchline_application::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
+use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
+use touchline_application::scene::overlay::{OverlayScene, Standing, overlay};
+use touchline_application::scene::{OverlayStyle, PictureLook};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::ImageSize;
+use touchline_documents::document::{Document, Frame, FrameStatus};
+use touchline_vision::media::{self, FrameReader};
 
 /// Ground around the field on the field map, m.
 const MAP_MARGIN_M: f64 = 5.0;
@@ -167,7 +167,7 @@ fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Fr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{CameraId, FieldSpec};
+    use touchline_documents::document::{CameraId, FieldSpec};
 
     fn document(images: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));

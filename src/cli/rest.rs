@@ -3,13 +3,15 @@
 
 use super::messages::Messages;
 use super::track::carry;
-use crate::calibrate::{TrackClipOptions, UnclickedCamera};
-use crate::document::{Document, FrameStatus};
-use crate::media::FrameReader;
-use crate::proposals::{FeatureStore, FramePictures, LearnOptions, LineEvidence, learn, propose, study};
-use crate::relocalize::{PoseOptions, RelocalizeOptions};
 use std::ops::ControlFlow;
 use std::path::Path;
+use touchline_calibration::calibrate::{TrackClipOptions, UnclickedCamera};
+use touchline_calibration::proposals::{
+    FeatureStore, FramePictures, LearnOptions, LineEvidence, learn, propose, study,
+};
+use touchline_documents::document::{Document, FrameStatus};
+use touchline_vision::media::FrameReader;
+use touchline_vision::relocalize::{PoseOptions, RelocalizeOptions};
 
 /// Answers the frames of a document that have no camera yet, from those of the cameras `found`; how many it answered and how many
 /// stay without.

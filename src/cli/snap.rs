@@ -3,12 +3,12 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{camera_on_paint, record_on_paint};
-use crate::document::{Fields, FrameStatus};
-use crate::media::FrameReader;
-use crate::paint::{FindOptions, SnapOptions};
-use crate::proposals::read_picture;
 use std::ops::ControlFlow;
+use touchline_calibration::calibrate::{camera_on_paint, record_on_paint};
+use touchline_calibration::proposals::read_picture;
+use touchline_documents::document::{Fields, FrameStatus};
+use touchline_vision::media::FrameReader;
+use touchline_vision::paint::{FindOptions, SnapOptions};
 
 /// Pulls solved frames onto the painted markings; statuses stay as they are.
 #[derive(clap::Args, Debug)]

@@ -3,12 +3,12 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
-use crate::document::{Document, DocumentAt, Fields, FrameStatus};
-use crate::geometry::counted;
-use crate::media::FrameReader;
-use crate::proposals::read_picture;
 use std::path::Path;
+use touchline_calibration::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::geometry::counted;
+use touchline_documents::document::{Document, DocumentAt, Fields, FrameStatus};
+use touchline_vision::media::FrameReader;
 
 /// Solves every frame with enough clicks; statuses stay as they are.
 #[derive(clap::Args, Debug)]

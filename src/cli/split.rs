@@ -3,10 +3,10 @@
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
-use crate::exchange::write_packages;
-use crate::geometry::counted;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use touchline_core::geometry::counted;
+use touchline_documents::exchange::write_packages;
 
 /// Splits a document into work packages: projects with copies of their pictures that `touchline merge` takes back.
 #[derive(clap::Args, Debug)]

@@ -3,14 +3,14 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::document::document_to_string;
-use crate::geometry::{ImageSize, counted};
-use crate::jobs::{DrawnPicture, MatchOrder, draw_match};
-use crate::store::{Location, PROJECT_FILE, write_document};
-use crate::synthetic::{Graphics, Preset, ShootOptions};
 use anyhow::{Context as _, bail, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
+use touchline_application::jobs::{DrawnPicture, MatchOrder, draw_match};
+use touchline_core::geometry::{ImageSize, counted};
+use touchline_documents::document::document_to_string;
+use touchline_documents::store::{Location, PROJECT_FILE, write_document};
+use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
 
 /// The file beside the project that holds what is true.
 const TRUTH_FILE: &str = "truth.json";

@@ -4,16 +4,17 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
-use crate::calibrate::{
-    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, length_on_lines, record_tracked, track_clip,
-};
-use crate::document::{Document, Fields, Frame};
-use crate::geometry::counted;
-use crate::media::FrameReader;
-use crate::proposals::read_picture;
-use crate::solve::base::FittedSize;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
+use touchline_calibration::calibrate::{
+    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, length_on_lines, record_tracked, take_length,
+    track_clip,
+};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::geometry::counted;
+use touchline_core::solve::base::FittedSize;
+use touchline_documents::document::{Document, Fields, Frame};
+use touchline_vision::media::FrameReader;
 
 /// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip together.
 #[derive(clap::Args, Debug)]
@@ -115,7 +116,7 @@ pub fn carry(
     messages.note(&format!("{seen}, where {assumed_m} m was assumed: carrying again"));
     // From the cameras that were known before: carried ones hold nothing.
     *document = before;
-    document.take_length(&found);
+    take_length(document, &found);
     carry_once(document, folder, within, options, is_stopped, messages)
 }
 

@@ -5,14 +5,14 @@ use super::document::{DocumentArg, Loaded};
 use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::features::{Detector, FeatureOptions};
-use crate::media::FrameReader;
-use crate::proposals::{FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study};
-use crate::relocalize::{CameraForest, RelocalizeOptions, TrainOptions};
 use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use touchline_calibration::proposals::{FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study};
+use touchline_vision::features::{Detector, FeatureOptions};
+use touchline_vision::media::FrameReader;
+use touchline_vision::relocalize::{CameraForest, RelocalizeOptions, TrainOptions};
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]

@@ -2,9 +2,9 @@
 
 use super::paper::{FAILURE_IOU, ROTATION};
 use super::sets::FrameSet;
-use crate::camera::PtzCamera;
-use crate::report::{Cell, Table};
-use crate::score::{CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole, quantile};
+use touchline_core::camera::PtzCamera;
+use touchline_core::score::{CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole, quantile};
+use touchline_documents::report::{Cell, Table};
 
 /// What became of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -331,8 +331,8 @@ mod tests {
     use super::*;
 
     fn asked(repeat: usize, iou: Option<f64>) -> AskedFrame {
-        let base = crate::experiments::setting::base();
-        let camera = PtzCamera::new(base, crate::camera::Ptz::from_degrees(50.0, -9.0, 3000.0));
+        let base = crate::setting::base();
+        let camera = PtzCamera::new(base, touchline_core::camera::Ptz::from_degrees(50.0, -9.0, 3000.0));
         let error = camera_error(&camera, &camera);
         let found = iou.map(|iou| FoundCamera { camera, iou: Some(iou), iou_whole: iou, error });
         AskedFrame { repeat, frame: 0, split: 0, view_deg: 24.0, found, predict_ms: 0.0, pose_ms: 0.0 }

@@ -7,12 +7,12 @@ use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::{FrameSet, KnownFrame, SetKind, Split, as_picture};
 use super::{ExperimentError, SharedInputs};
-use crate::camera::{Ptz, PtzCamera};
-use crate::features::{BinaryDescriptor, BinaryKind, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};
-use crate::media::FrameReader;
-use crate::relocalize::{PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates};
-use crate::report::{Cell, Report, Verdict};
 use rayon::prelude::*;
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_documents::report::{Cell, Report, Verdict};
+use touchline_vision::features::{BinaryDescriptor, BinaryKind, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};
+use touchline_vision::media::FrameReader;
+use touchline_vision::relocalize::{PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates};
 
 /// Features of a picture at most, as SIFT's default is.
 const MOST_FEATURES: usize = 1000;

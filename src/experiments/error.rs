@@ -1,15 +1,15 @@
 //! Why an experiment has no report.
 
 use super::Experiment;
-use crate::evaluate::EvaluationError;
-use crate::exchange::AuthorsError;
-use crate::features::FeatureError;
-use crate::field::FieldError;
-use crate::media::MediaError;
-use crate::proposals::PictureError;
-use crate::report::figure::FigureError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+use touchline_calibration::evaluate::EvaluationError;
+use touchline_calibration::proposals::PictureError;
+use touchline_core::field::FieldError;
+use touchline_documents::exchange::AuthorsError;
+use touchline_documents::report::figure::FigureError;
+use touchline_vision::features::FeatureError;
+use touchline_vision::media::MediaError;
 
 /// Why an experiment has no report.
 #[derive(Debug, Error)]

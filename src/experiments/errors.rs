@@ -8,8 +8,8 @@ use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::SetKind;
 use super::{ExperimentError, SharedInputs};
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Verdict};
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Verdict};
 
 /// Runs the experiment.
 ///

@@ -3,13 +3,13 @@
 use super::answers::{AskedFrame, FoundCamera, RayCount};
 use super::paper::INLIER_DEG;
 use super::sets::{FrameSet, KnownFrame, Split};
-use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
-use crate::geometry::Angle;
-use crate::relocalize::{
-    Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of, relocalize, train,
-};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::Angle;
+use touchline_vision::relocalize::{
+    Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of, relocalize, train,
+};
 
 /// Leaves of a tree that the paper's program looks at.
 const PUBLISHED_LEAVES: u32 = 4;
@@ -176,9 +176,9 @@ pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<AskedFrame> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiments::setting::rng;
-    use crate::features::Descriptor;
+    use crate::setting::rng;
     use rand::RngExt;
+    use touchline_vision::features::Descriptor;
 
     #[test]
     fn the_first_trees_are_those_of_a_smaller_forest() {

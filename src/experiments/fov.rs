@@ -8,8 +8,8 @@ use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::SetKind;
 use super::{ExperimentError, SharedInputs, lost_iou};
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Verdict};
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Verdict};
 
 /// Where bins of the field of view begin, degrees: the paper's bounds are among them.
 const BINS_DEG: [f64; 7] = [0.0, 15.0, 20.0, FAILURES_BELOW_DEG, 30.0, NO_FAILURE_ABOVE_DEG, 180.0];

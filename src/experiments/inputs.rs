@@ -10,9 +10,9 @@ use super::sets::{
     published, published_folder, worldcup,
 };
 use super::{Experiment, ExperimentError, ExperimentOptions};
-use crate::synthetic::Preset;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use touchline_vision::synthetic::Preset;
 
 /// How experiments are run, and what they share: frames are drawn or read, and their features found, once; so are the answers of the
 /// forests to them.

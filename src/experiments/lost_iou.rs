@@ -1,6 +1,6 @@
 //! The axis of 1 − `IoU` in figures.
 
-use crate::report::figure::Axis;
+use touchline_documents::report::figure::Axis;
 
 /// Its ends: a log axis has no place for an `IoU` of 1, and a frame that was not found lies at 1.
 pub const ENDS: [f64; 2] = [1e-5, 1.3];

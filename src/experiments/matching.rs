@@ -4,8 +4,8 @@
 //! nalgebra has a kernel tuned to the processor (matrixmultiply). Entries are bytes and no sum exceeds 2²⁴, so that f32 holds every
 //! sum exactly: neighbours are those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences instead.
 
-use crate::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
 use nalgebra::DMatrix;
+use touchline_vision::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
 
 /// Descriptors as rows of a matrix, with their squared lengths.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiments::setting::rng;
+    use crate::setting::rng;
     use rand::RngExt;
 
     #[test]

@@ -4,14 +4,15 @@ use super::answers::{AskedFrame, FoundCamera, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
 use super::progress::{Progress, counted};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
-use super::{ExperimentError, ExperimentOptions, evaluation_tables};
-use crate::camera::Ptz;
-use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz};
-use crate::evaluate::evaluate;
-use crate::geometry::AngleRange;
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Report, Table};
+use super::{ExperimentError, ExperimentOptions};
 use std::path::Path;
+use touchline_calibration::evaluate::evaluate;
+use touchline_calibration::evaluate::evaluation_tables;
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::AngleRange;
+use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FramePtz};
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Report, Table};
 
 /// Runs the experiment on the motion that a folder holds.
 ///

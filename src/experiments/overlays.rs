@@ -2,8 +2,8 @@
 
 use super::answers::AskedFrame;
 use super::sets::FrameSet;
-use crate::proposals::overlay_error_px;
-use crate::report::{Cell, Column, Report, Table};
+use touchline_calibration::proposals::overlay_error_px;
+use touchline_documents::report::{Cell, Column, Report, Table};
 
 /// How many of the worst frames are named.
 const WORST_SHOWN: usize = 5;

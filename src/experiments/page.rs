@@ -1,7 +1,7 @@
 //! "What the paper says, what we measure": all claims on one page.
 
-use crate::report::{Cell, Report, Table, Verdict};
 use std::fmt::Write as _;
+use touchline_documents::report::{Cell, Report, Table, Verdict};
 
 /// One page: what the paper states and what was measured, a row each, and how many of them agree. Empty without any.
 #[must_use]

@@ -5,8 +5,8 @@ use super::forests::{ForestKind, Trained};
 use super::progress::Progress;
 use super::sets::SetKind;
 use super::{ExperimentError, SharedInputs};
-use crate::camera::{CameraBase, FocalCurve, PtzCamera};
-use crate::report::{Cell, Report};
+use touchline_core::camera::{CameraBase, FocalCurve, PtzCamera};
+use touchline_documents::report::{Cell, Report};
 
 /// Runs the experiment.
 ///

@@ -3,19 +3,19 @@
 use super::ExperimentOptions;
 use super::progress::Progress;
 use super::setting::{SIZE, normal, rng};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
-use crate::report::figure::{Axis, Figure, Mark, Series};
-use crate::report::{Cell, Report, Table, Verdict};
-use crate::score::quantile;
-use crate::solve::{Loss, Observation, refine, solve_two_points};
-use crate::synthetic::Preset;
 use rand::RngExt;
 use rand::seq::index::sample;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
+use touchline_core::score::quantile;
+use touchline_core::solve::{Loss, Observation, refine, solve_two_points};
+use touchline_documents::report::figure::{Axis, Figure, Mark, Series};
+use touchline_documents::report::{Cell, Report, Table, Verdict};
+use touchline_vision::synthetic::Preset;
 
 /// Points needed, and the rounds that the paper's table 1 states for them.
 const TABLE_1: [(usize, usize); 3] = [(4, 71), (2, 16), (1, 7)];

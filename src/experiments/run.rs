@@ -5,7 +5,7 @@ use super::{
     Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, errors, fov, homographies, motion,
     pose, ransac, sequences, synthetic, threshold, trees,
 };
-use crate::report::Report;
+use touchline_documents::report::Report;
 
 impl Experiment {
     /// Runs it.

@@ -8,11 +8,11 @@ use super::paper::{SEQUENCE_FRAMES, Stated, TABLE_2, TABLE_2_AVERAGE, TABLE_2_SE
 use super::progress::Progress;
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs};
-use crate::geometry::AngleRange;
-use crate::media::FrameReader;
-use crate::report::figure::{Axis, Figure, Series};
-use crate::report::{Cell, Report, SheetFrame, Table, Verdict, contact_sheet};
-use crate::score::quantile;
+use touchline_core::geometry::AngleRange;
+use touchline_core::score::quantile;
+use touchline_documents::report::figure::{Axis, Figure, Series};
+use touchline_documents::report::{Cell, Report, SheetFrame, Table, Verdict, contact_sheet};
+use touchline_vision::media::FrameReader;
 
 /// How many frames the contact sheet shows.
 const SHEET_FRAMES: usize = 6;

@@ -1,10 +1,10 @@
 //! The setting of the paper's synthetic experiment: its camera, its ranges, points around its field.
 
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, rotation};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, rotation};
 
 /// The size of its pictures.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);

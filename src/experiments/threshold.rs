@@ -9,9 +9,9 @@ use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs};
-use crate::relocalize::{PredictOptions, RelocalizeOptions};
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Table, Verdict};
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Table, Verdict};
+use touchline_vision::relocalize::{PredictOptions, RelocalizeOptions};
 
 /// The gates, squared distances of descriptors of unit length. None can be larger than 2: the last is no gate.
 const GATES: [f32; 7] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 4.0];

@@ -7,10 +7,10 @@ use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs, lost_iou};
-use crate::relocalize::TrainOptions;
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Column, Report, Table, Verdict};
-use crate::score::quantile;
+use touchline_core::score::quantile;
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Column, Report, Table, Verdict};
+use touchline_vision::relocalize::TrainOptions;
 
 /// The quantiles of 1 − `IoU` that are shown.
 const QUANTILES: [(f64, &str); 4] = [(0.5, "median"), (0.75, "75 %"), (0.9, "90 %"), (0.95, "95 %")];

@@ -3,9 +3,9 @@
 //! The window's wgpu renderer keeps one [`Renderer`]; a canvas is a paint callback that hands it the layers of this frame.
 //! Without wgpu (a test without a GPU) a canvas says so and everything else works.
 
-use crate::render::{CanvasId, Gpu, Layer, Renderer, View};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 use egui::{Align2, Color32, FontId, Id, Painter, Rect};
+use touchline_application::render::{CanvasId, Gpu, Layer, Renderer, View};
 
 /// The frame's picture.
 pub const VIEWPORT: CanvasId = CanvasId(1);

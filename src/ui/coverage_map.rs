@@ -2,14 +2,14 @@
 
 use super::Panel;
 use super::theme::{Palette, Themed as _};
-use crate::app::where_to_label::whole_degrees;
-use crate::camera::PtzCamera;
-use crate::geometry::{Angle, ImageSize};
-use crate::proposals::Coverage;
 use egui::{
     Align, Color32, Layout, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
     vec2,
 };
+use touchline_application::app::where_to_label::whole_degrees;
+use touchline_calibration::proposals::Coverage;
+use touchline_core::camera::PtzCamera;
+use touchline_core::geometry::{Angle, ImageSize};
 
 /// The number of references from which the colour no longer changes.
 const PLENTY: f32 = 4.0;
@@ -153,8 +153,8 @@ fn place(coverage: &Coverage, rect: Rect, share: f64, tilt_deg: f64) -> Pos2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::AngleRange;
-    use crate::proposals::CoverageCell;
+    use touchline_calibration::proposals::CoverageCell;
+    use touchline_core::geometry::AngleRange;
 
     #[test]
     fn pan_runs_to_the_right_and_tilt_upwards() {

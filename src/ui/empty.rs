@@ -5,9 +5,9 @@ use super::{
     menu::document_name,
     theme::{self, Themed as _},
 };
-use crate::app::{Action, Command};
 use egui::{Align, Button, Id, Key, Layout, Margin, RichText, TextEdit, Ui, vec2};
 use std::path::PathBuf;
+use touchline_application::app::{Action, Command};
 
 /// How many recent documents are listed.
 const RECENT: usize = 5;

@@ -1,9 +1,9 @@
 //! The system's file dialogs, on a thread of their own so that the window never waits.
 
-use crate::app::{Action, Question};
-use crate::jobs::{Background, BackgroundReport, Wake};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use touchline_application::app::{Action, Question};
+use touchline_application::jobs::{Background, BackgroundReport, Wake};
 
 /// Image, video and document files as the dialogs filter them.
 const VIDEOS: &[&str] = &["mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg"];

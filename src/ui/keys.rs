@@ -4,9 +4,9 @@
 //! read letters and digits themselves).
 
 use super::dialogs;
-use crate::app::session::{Dialog, Held, Mode};
-use crate::app::{Action, App, Chord, Command};
 use egui::{Event, FocusDirection, Key, Modifiers};
+use touchline_application::app::session::{Dialog, Held, Mode};
+use touchline_application::app::{Action, App, Chord, Command};
 
 /// How far an arrow key moves the selected point, px of the picture: alone, with Shift, with Alt.
 const NUDGE_PX: [f64; 3] = [0.1, 1.0, 10.0];
@@ -258,9 +258,9 @@ fn is_held_down(app: &App, command: Command) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Opened, Settings};
-    use crate::document::{Camera, Click, Document, FieldSpec, Frame};
-    use crate::geometry::{ImagePoint, ImageSize};
+    use touchline_application::app::{Opened, Settings};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame};
 
     const NONE: Modifiers = Modifiers::NONE;
 

@@ -1,9 +1,9 @@
 //! The texts of a drawing, written with the window's own font.
 
 use super::placement::Placement;
-use crate::geometry::ImagePoint;
-use crate::scene::drawing::{Colour, Label};
 use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
+use touchline_application::scene::drawing::{Colour, Label};
+use touchline_core::geometry::ImagePoint;
 
 /// How far the plate reaches beyond the letters, points.
 const PADDING: egui::Vec2 = vec2(4.0, 1.5);

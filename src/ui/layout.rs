@@ -5,9 +5,9 @@ use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, notices, quality, reclick, rejecting,
     review, status, theme::Themed as _, timeline, tour, trainer, typing, viewport,
 };
-use crate::app::Action;
-use crate::app::session::SidePanel;
 use egui::{Frame, Margin, Ui};
+use touchline_application::app::Action;
+use touchline_application::app::session::SidePanel;
 
 /// The height of the menu row, the row of messages and the status row, points.
 const ROW: f32 = 24.0;

@@ -4,12 +4,12 @@ use super::canvas;
 use super::labels::{PlateStyle, plate};
 use super::overlay::Overlay;
 use super::placement::Placement;
-use crate::app::settings::Loupe;
-use crate::geometry::ImagePoint;
-use crate::render::{Layer, View};
 use egui::{
     Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Vec2, WidgetInfo,
 };
+use touchline_application::app::settings::Loupe;
+use touchline_application::render::{Layer, View};
+use touchline_core::geometry::ImagePoint;
 
 /// No loupe is needed where the picture is enlarged by more than this share of what the loupe would.
 const NOT_NEEDED_FROM: f64 = 0.625;

@@ -3,9 +3,9 @@
 use super::Panel;
 use super::labels::{PlateStyle, plate};
 use super::placement::Placement;
-use crate::app::{Action, App, MaskList};
-use crate::geometry::{ImagePoint, PixelBox};
 use egui::{Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
+use touchline_application::app::{Action, App, MaskList};
+use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// The side of a cross, points.
 const CROSS: f32 = 18.0;

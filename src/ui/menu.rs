@@ -5,14 +5,14 @@ use super::{
     symbol::{self, Symbol},
     theme::{self, Themed as _},
 };
-use crate::app::session::{Saving, SidePanel};
-use crate::app::{Action, App, Command, MenuGroup};
-use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
 use egui::{
     Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText, Role,
     TextStyle, Ui, WidgetInfo, vec2,
 };
 use std::path::Path;
+use touchline_application::app::session::{Saving, SidePanel};
+use touchline_application::app::{Action, App, Command, MenuGroup};
+use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
 /// A line is drawn above these.
 const SECTIONS: [Command; 18] = [
@@ -232,9 +232,11 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowFeatures => app.session.trainer.show_features,
         Command::ReviewPanel => app.session.panel == SidePanel::Review,
         Command::QualityPage => app.session.quality.open,
-        Command::UseForTraining => app.frame().is_some_and(crate::document::Frame::is_used_for_training),
+        Command::UseForTraining => app.frame().is_some_and(touchline_documents::document::Frame::is_used_for_training),
         Command::PlaceOnLine => app.session.next_on_line,
-        Command::Uncertainty => app.session.uncertainty != crate::scene::uncertainty::UncertaintyView::Off,
+        Command::Uncertainty => {
+            app.session.uncertainty != touchline_application::scene::uncertainty::UncertaintyView::Off
+        }
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }

@@ -1,10 +1,10 @@
 //! A thumbnail of a frame with the lines of its camera: enough to see whether a proposal is right.
 
 use super::{Panel, theme::Themed as _};
-use crate::app::OpenProject;
-use crate::document::FrameStatus;
-use crate::markings::{MarkingOptions, project_lines};
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
+use touchline_application::app::OpenProject;
+use touchline_core::markings::{MarkingOptions, project_lines};
+use touchline_documents::document::FrameStatus;
 
 /// How far a line may be from its curve, px of the picture: invisible at this size.
 const TOLERANCE_PX: f64 = 4.0;
@@ -29,7 +29,9 @@ pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index
     let stroke = Stroke::new(1.0, Color32::from_rgb(red, green, blue));
     let clipped = painter.with_clip_rect(painter.clip_rect().intersect(picture));
     for line in project_lines(field, &camera, frame.image_size, &options) {
-        let at = |point: &crate::geometry::ImagePoint| picture.min + egui::vec2(point.x as f32, point.y as f32) * scale;
+        let at = |point: &touchline_core::geometry::ImagePoint| {
+            picture.min + egui::vec2(point.x as f32, point.y as f32) * scale
+        };
         let points: Vec<Pos2> = line.points.iter().map(at).collect();
         if frame.status == FrameStatus::Suggested {
             clipped.extend(Shape::dashed_line(&points, stroke, 3.0, 1.5));

@@ -44,14 +44,14 @@ mod typing;
 mod viewport;
 mod window;
 
-pub use crate::jobs::PictureState;
 pub use layout::{read, show};
 pub use pictures::Pictures;
 pub use shell::Shell;
 pub use theme::apply as apply_theme;
+pub use touchline_application::jobs::PictureState;
 pub use window::{WindowError, run};
 
-use crate::app::{Action, App};
+use touchline_application::app::{Action, App};
 
 /// What every panel is given.
 pub struct Panel<'a> {

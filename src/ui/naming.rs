@@ -2,10 +2,10 @@
 
 use super::placement::Placement;
 use super::{Panel, theme::Themed as _};
-use crate::app::Action;
-use crate::app::naming::NameCandidate;
-use crate::app::session::{Mode, Naming, OFFERED};
 use egui::{Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2};
+use touchline_application::app::Action;
+use touchline_application::app::naming::NameCandidate;
+use touchline_application::app::session::{Mode, Naming, OFFERED};
 
 /// The least width of the list, so that its hint fits, points.
 const LEAST_WIDTH: f32 = 300.0;

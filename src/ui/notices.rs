@@ -6,10 +6,10 @@ use super::{
     Panel,
     theme::{Palette, Themed as _},
 };
-use crate::app::session::{Level, Notice, in_row};
-use crate::app::{Action, App, Command};
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;
+use touchline_application::app::session::{Level, Notice, in_row};
+use touchline_application::app::{Action, App, Command};
 
 /// Information without a button leaves the row after this time, s; not while the pointer is on it.
 const INFO_SECONDS: f64 = 8.0;

@@ -2,11 +2,11 @@
 //! below it; Enter in a field never means the frame.
 
 use super::theme::Themed as _;
-use crate::app::session::Mode;
-use crate::app::{Action, App};
 use egui::{Area, CornerRadius, DragValue, Key, Label, Order, Response, RichText, Stroke, StrokeKind, Ui, vec2};
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
+use touchline_application::app::session::Mode;
+use touchline_application::app::{Action, App};
 
 /// How long a field says why it did not take what was typed, s.
 const TOLD_S: f64 = 8.0;

@@ -1,8 +1,8 @@
 //! What lies over a picture, as drawings.
 
-use crate::render::Layer;
-use crate::scene::drawing::{Drawing, Label};
 use std::sync::Arc;
+use touchline_application::render::Layer;
+use touchline_application::scene::drawing::{Drawing, Label};
 
 /// The drawings over the picture, the lowest first.
 #[derive(Clone, Debug, Default)]

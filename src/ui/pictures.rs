@@ -1,11 +1,11 @@
 //! Pictures of frames as the window draws them: the shown one, and thumbnails on the graphics card.
 
-use crate::app::{Action, App, OpenProject};
-use crate::jobs::{self, PictureState, SharedPictures, Wake, picture_source};
-use crate::media::{FrameRef, Picture};
 use lru::LruCache;
 use std::io;
 use std::num::NonZeroUsize;
+use touchline_application::app::{Action, App, OpenProject};
+use touchline_application::jobs::{self, PictureState, SharedPictures, Wake, picture_source};
+use touchline_vision::media::{FrameRef, Picture};
 
 /// How many thumbnails stay on the GPU; a filmstrip shows about thirty.
 const TEXTURES: NonZeroUsize = NonZeroUsize::MIN.saturating_add(599);

@@ -1,11 +1,11 @@
 //! Where the picture lies in the viewport.
 
-use crate::app::MAX_SCALE;
-use crate::app::session::PictureView;
-use crate::geometry::{ImagePoint, ImageSize, Vec2};
-use crate::render::View;
 use crate::ui::canvas;
 use egui::{Pos2, Rect, pos2};
+use touchline_application::app::MAX_SCALE;
+use touchline_application::app::session::PictureView;
+use touchline_application::render::View;
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
 /// A picture in a box of the window. Scales are physical px of the screen per px of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! A small plot: a box with two scales, lines and numbers at its sides.
 
 use super::theme::Themed as _;
-use crate::report::figure::Ruler;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2};
+use touchline_documents::report::figure::Ruler;
 
 /// The size of the numbers, points.
 const NUMBER: f32 = 10.0;

@@ -4,9 +4,9 @@ use super::{
     Panel, field_map,
     theme::{self, Themed as _},
 };
-use crate::app::{Action, Command};
-use crate::document::Target;
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
+use touchline_application::app::{Action, Command};
+use touchline_documents::document::Target;
 
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {

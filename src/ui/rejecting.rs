@@ -1,10 +1,10 @@
 //! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6; in two rows over a narrow one.
 
 use super::Panel;
-use crate::app::Action;
-use crate::app::session::{Mode, reason_label};
-use crate::document::RejectReason;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
+use touchline_application::app::Action;
+use touchline_application::app::session::{Mode, reason_label};
+use touchline_documents::document::RejectReason;
 
 /// Reads the keys 1 to 6 while a reason is being chosen; nothing else gets them then.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {

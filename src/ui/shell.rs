@@ -3,12 +3,12 @@
 use super::files::Files;
 use super::input_queue::InputQueue;
 use super::{Panel, PictureState, Pictures, canvas, layout, theme};
-use crate::app::session::Level;
-use crate::app::{Action, App, Effect, WindowPlace};
-use crate::jobs::{Request, Runner, Wake, load_settings, save_settings};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
+use touchline_application::app::session::Level;
+use touchline_application::app::{Action, App, Effect, WindowPlace};
+use touchline_application::jobs::{Request, Runner, Wake, load_settings, save_settings};
 
 /// The window's program.
 pub struct Shell {

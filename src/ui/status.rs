@@ -1,10 +1,10 @@
 //! The bottom row: the next step, the pointer's position, the zoom, and what undo would revert.
 
 use super::{Panel, theme::Themed as _};
-use crate::app::guidance::{Guidance, next_step};
-use crate::app::session::PictureView;
-use crate::app::{Action, App, Command};
 use egui::{Align, Button, Label, Layout, RichText, TextStyle, Ui};
+use touchline_application::app::guidance::{Guidance, next_step};
+use touchline_application::app::session::PictureView;
+use touchline_application::app::{Action, App, Command};
 
 /// What the zoom and the pointer's position take, points.
 const ZOOM: f32 = 72.0;

@@ -1,13 +1,13 @@
 //! The bar of the tour, below the menus: the step, what is to be done, and the way out. It lies over nothing.
 
 use super::{Panel, theme::Themed as _};
-use crate::app::tour::TourStep;
-use crate::app::{Action, Command};
 use egui::{Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2};
+use touchline_application::app::tour::TourStep;
+use touchline_application::app::{Action, Command};
 
 /// Shows the bar while there is a tour.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(step) = panel.app.session.tour.as_ref().map(crate::app::tour::Tour::step) else { return };
+    let Some(step) = panel.app.session.tour.as_ref().map(touchline_application::app::tour::Tour::step) else { return };
     let frame = Frame::new().fill(ui.palette().accent_ground).inner_margin(Margin::symmetric(12, 6));
     egui::Panel::top("tour").resizable(false).frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {

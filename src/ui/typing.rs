@@ -5,9 +5,9 @@
 //! the pointer away, or confirms. Enter first confirms; only a second one, struck for itself, accepts the frame. Time is counted in what
 //! the window has drawn, so that a slow machine cuts no word in two.
 
-use crate::app::session::{Mode, Naming, OFFERED};
-use crate::app::{Action, App, Command};
 use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Pos2};
+use touchline_application::app::session::{Mode, Naming, OFFERED};
+use touchline_application::app::{Action, App, Command};
 
 /// The pointer has left the point when it is this far from where it placed it, points.
 const LEFT_POINTS: f32 = 30.0;
@@ -217,15 +217,15 @@ fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Opened, Settings};
-    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use crate::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus};
-    use crate::field::builtin;
-    use crate::geometry::{ImagePoint, ImageSize, Vec3};
     use crate::ui::keys;
     use egui::{RawInput, pos2};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
+    use touchline_application::app::{Opened, Settings};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

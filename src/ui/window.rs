@@ -1,10 +1,10 @@
 //! Opens the window, and says what ended it.
 
 use super::Shell;
-use crate::app::WindowPlace;
-use crate::jobs::{Panicked, load_settings, settings_path, until_it_panics};
 use std::path::PathBuf;
 use thiserror::Error;
+use touchline_application::app::WindowPlace;
+use touchline_application::jobs::{Panicked, load_settings, settings_path, until_it_panics};
 
 /// Why there is no window, or none any more.
 #[derive(Debug, Error)]

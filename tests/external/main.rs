@@ -8,19 +8,20 @@
 )]
 
 mod bad_videos;
-#[allow(dead_code, reason = "shared with the suite, which needs all of it")]
-#[path = "../suite/files.rs"]
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../shared/files.rs"]
 mod files;
-#[allow(dead_code, reason = "shared with the suite, which needs all of it")]
-#[path = "../suite/headless.rs"]
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../shared/headless.rs"]
 mod headless;
 mod media;
 mod motion_330;
 mod overlay_pixels;
 mod overlay_projection;
+#[path = "../shared/parts.rs"]
 mod parts;
-#[allow(dead_code, reason = "shared with the suite, which needs all of it")]
-#[path = "../suite/program.rs"]
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../shared/program.rs"]
 mod program;
 mod published_data;
 mod real_base;
@@ -34,13 +35,16 @@ mod real_trust;
 mod real_video;
 mod real_wood;
 mod render_command;
-#[path = "../suite/seeded.rs"]
+#[path = "../shared/seeded.rs"]
 mod seeded;
+#[cfg(feature = "gui")]
+#[path = "../window/mod.rs"]
+mod window;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    parts::run(&[
+    let modules: &[&[parts::Test]] = &[
         #[cfg(feature = "opencv")]
         bad_videos::TESTS,
         #[cfg(feature = "opencv")]
@@ -63,5 +67,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "opencv")]
         real_wood::TESTS,
         render_command::TESTS,
-    ])
+    ];
+    #[cfg(feature = "gui")]
+    let modules = &[modules, window::TESTS].concat();
+    parts::run(modules)
 }

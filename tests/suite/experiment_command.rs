@@ -1,4 +1,5 @@
 //! `touchline experiment`: what a script can rely on.
+#![cfg(feature = "experiments")]
 
 use crate::program::touchline;
 use std::collections::BTreeMap;

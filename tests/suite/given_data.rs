@@ -1,5 +1,5 @@
 //! `touchline experiment` on data that a user gives: published homographies, a published motion, documents of their own.
-#![cfg(feature = "opencv")]
+#![cfg(all(feature = "experiments", feature = "opencv"))]
 
 use crate::program::touchline;
 use serde_json::Value;

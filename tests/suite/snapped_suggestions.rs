@@ -1,7 +1,7 @@
 //! Suggestions that are pulled onto the painted lines before anybody sees them.
 
 use crate::program::touchline;
-use crate::review_in_app::proposal_in;
+use crate::proposed::proposal_in;
 use touchline::camera::PtzCamera;
 use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::geometry::{Angle, ImagePoint};
@@ -87,7 +87,7 @@ fn after_recording(frame: &mut touchline::document::Frame, proposal: &Proposal) 
 #[test]
 fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
     use crate::bench::Bench;
-    use crate::review_in_app::blank;
+    use crate::proposed::blank;
     use touchline::app::{Action, App, Command, Effect, Opened, Settings, TrainerOrder};
 
     let mut bench = Bench::new(blank(1));

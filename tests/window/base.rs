@@ -1,7 +1,7 @@
 //! The camera's base: estimated in its panel, looked at, taken over; and how far the lines are to be trusted.
 
+use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
-use crate::window::{Window, truth};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::base::BaseWork;

@@ -1,7 +1,7 @@
 //! Frames selected on the filmstrip and assigned to a camera, and the venue in the camera panel.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

@@ -1,7 +1,7 @@
 //! The window closes when everything is on disk, and asks before edits are lost.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Action;

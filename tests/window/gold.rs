@@ -1,7 +1,7 @@
 //! A blind round in the window: nothing of the label is to be seen, and a click is kept where it was made.
 
+use super::harness::{SIZE, Window, field, truth};
 use crate::parts::{Test, tests};
-use crate::window::{SIZE, Window, field, truth};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::{Action, Command};
 use touchline::camera::Ptz;

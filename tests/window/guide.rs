@@ -1,7 +1,7 @@
 //! The user guide: every dialog leads to its page, and back.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::guide::GuidePage;

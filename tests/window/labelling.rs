@@ -1,7 +1,7 @@
 //! One frame labelled from beginning to end, as a person does it.
 
+use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
-use crate::window::{Window, truth};
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::{Mode, Saving};

@@ -1,7 +1,7 @@
 //! Names that look wrong: reported in the inspector, compared while a button is held, fixed by another button.
 
+use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
-use crate::window::{Window, truth};
 use egui::{Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Action;

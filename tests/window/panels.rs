@@ -1,7 +1,7 @@
 //! The panels around the picture, driven by keyboard and pointer through their accessibility nodes.
 
+use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
-use crate::window::{Window, truth};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};

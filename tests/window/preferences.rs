@@ -1,7 +1,7 @@
 //! The preferences: the theme, the colours of lines by sport, the loupe; and the order in which Tab goes through a dialog.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::{Key, Modifiers, Rect, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::settings::ThemeChoice;

@@ -1,7 +1,7 @@
 //! The quality page: opened by key, read by its nodes, left for a frame by a click.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 

@@ -1,7 +1,7 @@
 //! Suggestions looked through in the window: the panel's list, one after the other, several together.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};

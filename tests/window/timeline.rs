@@ -1,8 +1,8 @@
 //! The timeline of a video: going to a frame by the pointer and by its number, moving a cut, playing.
 #![cfg(feature = "opencv")]
 
+use super::harness::{SIZE, Window};
 use crate::parts::{Test, tests};
-use crate::window::{SIZE, Window};
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The tour on the demo match: each step is over when the person has done it.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::tour::TourStep;

@@ -1,8 +1,8 @@
 //! The trainer panel: what goes on, what the forest learns from and is worth, where a reference is missing.
 #![cfg(feature = "opencv")]
 
+use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
-use crate::window::{Window, truth};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The dialog of exports, datasets and imports.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::Dialog;

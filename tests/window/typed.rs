@@ -1,7 +1,7 @@
 //! Keys and clicks that arrive within one frame of the window: each is applied before the next is read.
 
+use super::harness::Window;
 use crate::parts::{Test, tests};
-use crate::window::Window;
 use egui::{Event, Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Action;

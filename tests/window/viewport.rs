@@ -1,7 +1,7 @@
 //! The picture: zooming, dragging, masks, what is drawn when.
 
+use super::harness::{SIZE, Window};
 use crate::parts::{Test, tests};
-use crate::window::{SIZE, Window};
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;

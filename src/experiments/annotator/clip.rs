@@ -1,19 +1,19 @@
 //! The clip that a simulated annotator labels: drawn under the worst conditions of live television, its truth exact.
 
-use crate::camera::{CameraBase, PtzCamera};
-use crate::document::{Camera, CameraId, Click, Document, FieldSize, FieldSpec, Frame, Target};
-use crate::experiments::sets::{MOTION_FILE, RealMotion};
-use crate::experiments::{ExperimentError, ExperimentOptions};
-use crate::field::FieldModel;
-use crate::geometry::{ImageSize, PixelBox};
-use crate::synthetic::{
-    ClickOptions, ClickTarget, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, drawn_clicks, stadium,
-};
+use crate::sets::{MOTION_FILE, RealMotion};
+use crate::{ExperimentError, ExperimentOptions};
 use image::codecs::jpeg::JpegEncoder;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 use tempfile::{Builder, TempDir};
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_documents::document::{Camera, CameraId, Click, Document, FieldSize, FieldSpec, Frame, Target};
+use touchline_vision::synthetic::{
+    ClickOptions, ClickTarget, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, drawn_clicks, stadium,
+};
 
 /// Seconds between frames: television's.
 const STEP_S: f64 = 0.04;

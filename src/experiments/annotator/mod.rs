@@ -6,14 +6,14 @@ mod ways;
 
 use super::progress::{Progress, counted};
 use super::{ExperimentError, ExperimentOptions};
-use crate::camera::{Ptz, PtzCamera};
-use crate::document::{Frame, FramePtz};
-use crate::geometry::Vec3;
-use crate::report::{Cell, Report, Table};
-use crate::score::{SigmaCoverage, quantile, squared_sigmas};
 use clip::{CLICK_SIGMA_PX, DrawnClip, corners_apart_px, frame_count};
 use std::path::Path;
 use std::time::Instant;
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::geometry::Vec3;
+use touchline_core::score::{SigmaCoverage, quantile, squared_sigmas};
+use touchline_documents::document::{Frame, FramePtz};
+use touchline_documents::report::{Cell, Report, Table};
 use ways::{Labelled, Outcome, carried, forest, no_click, two_clicks};
 
 /// A camera whose picture is off by more at a corner is wrong, px at 1920 px width.

@@ -1,20 +1,20 @@
 //! The ways in which the simulated annotator labels the clip.
 
 use super::clip::DrawnClip;
-use crate::calibrate::{
+use crate::ExperimentError;
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use touchline_calibration::calibrate::{
     ClipEvidence, Doubt, FrameLookup, TrackClipOptions, UnclickedAnswer, calibrate, camera_without_clicks, clips,
     record_found, record_tracked, track_clip,
 };
-use crate::document::{Camera, Document, Frame, FrameStatus};
-use crate::experiments::ExperimentError;
-use crate::media::FrameReader;
-use crate::proposals::{
+use touchline_calibration::proposals::{
     Coverage, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, label_advice, learn, propose,
     read_picture, study,
 };
-use crate::relocalize::RelocalizeOptions;
-use std::collections::BTreeSet;
-use std::ops::ControlFlow;
+use touchline_documents::document::{Camera, Document, Frame, FrameStatus};
+use touchline_vision::media::FrameReader;
+use touchline_vision::relocalize::RelocalizeOptions;
 
 /// What came of a way of labelling.
 pub struct Labelled {

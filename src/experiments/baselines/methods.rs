@@ -1,13 +1,13 @@
 //! The methods that the forest is compared with, each as strong as it is known to be.
 
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::experiments::matching::{DescriptorRows, Nearest, nearest};
-use crate::experiments::ransac::{Match, agreeing, by_four_points, through};
-use crate::experiments::sets::KnownFrame;
-use crate::experiments::setting::rng;
-use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
-use crate::relocalize::{PoseOptions, PredictOptions, RayCandidate, RayMatches, pose_from_candidates};
-use crate::solve::pose_from_plane;
+use crate::matching::{DescriptorRows, Nearest, nearest};
+use crate::ransac::{Match, agreeing, by_four_points, through};
+use crate::sets::KnownFrame;
+use crate::setting::rng;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec3};
+use touchline_core::solve::pose_from_plane;
+use touchline_vision::relocalize::{PoseOptions, PredictOptions, RayCandidate, RayMatches, pose_from_candidates};
 
 /// A match counts if the nearest descriptor is nearer than this share of the second nearest (Lowe 2004), squared.
 const RATIO_SQUARED: f32 = 0.8 * 0.8;

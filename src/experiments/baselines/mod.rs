@@ -13,13 +13,13 @@ use super::sequences::introduce;
 use super::sets::{FrameSet, SetKind};
 use super::setting::rng;
 use super::{ExperimentError, SharedInputs};
-use crate::camera::PtzCamera;
-use crate::relocalize::{Forest, PoseOptions, SeenRange, relocalize};
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Verdict};
 use methods::{Matched, Reference};
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
+use touchline_core::camera::PtzCamera;
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Verdict};
+use touchline_vision::relocalize::{Forest, PoseOptions, SeenRange, relocalize};
 
 /// The methods: in files, and as the report names them.
 const METHODS: [(&str, &str); 5] = [

@@ -2,14 +2,14 @@
 
 use super::methods::{Matched, Reference};
 use super::{MARKS, METHODS, no_more_than};
-use crate::experiments::forests::{ForestKind, trained_on};
-use crate::experiments::sets::{FrameSet, KnownFrame};
-use crate::relocalize::{PoseOptions, SeenRange, relocalize};
-use crate::report::figure::{Axis, Figure, Series};
-use crate::report::{Cell, Column, Report, Table};
-use crate::score::quantile;
+use crate::forests::{ForestKind, trained_on};
+use crate::sets::{FrameSet, KnownFrame};
 use std::hint::black_box;
 use std::time::Instant;
+use touchline_core::score::quantile;
+use touchline_documents::report::figure::{Axis, Figure, Series};
+use touchline_documents::report::{Cell, Column, Report, Table};
+use touchline_vision::relocalize::{PoseOptions, SeenRange, relocalize};
 
 /// Where times are taken.
 const COUNTS: [usize; 7] = [5, 10, 20, 50, 100, 200, 500];

@@ -1,15 +1,15 @@
 //! Our seven-parameter camera fitted to a homography, and bases that several frames share.
 
 use super::read::SIZE;
-use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use crate::field::FieldModel;
-use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3, median};
-use crate::score::PlaneView;
-use crate::solve::base::{
+use rayon::prelude::*;
+use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3, median};
+use touchline_core::score::PlaneView;
+use touchline_core::solve::base::{
     AdjustOptions, BaseModel, BasePriors, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
 };
-use crate::solve::{Loss, Observation, pose_from_plane, refine};
-use rayon::prelude::*;
+use touchline_core::solve::{Loss, Observation, pose_from_plane, refine};
 
 /// Points of the picture that are compared, along its sides.
 const GRID: [u32; 2] = [16, 9];
@@ -216,7 +216,7 @@ fn level_ptz(camera: &PtzCamera) -> Ptz {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::builtin;
+    use touchline_core::field::builtin;
 
     fn seen(place: [f64; 3], pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
         let rolled = BaseAngles { roll: Angle::from_degrees(0.2), ..BaseAngles::default() };

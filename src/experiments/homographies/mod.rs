@@ -7,14 +7,14 @@ pub use read::holds_homographies;
 
 use super::progress::Progress;
 use super::{ExperimentError, ExperimentOptions};
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Table};
-use crate::score::{PlaneView, Summary};
 use fit::{Fitted, Sampled, SharedBase, groups, under_one_base};
 use rayon::prelude::*;
 use read::{Homographies, SIZE, read_homographies};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::score::{PlaneView, Summary};
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Table};
 
 /// Frames agree with a base within these root mean square distances, px.
 const WITHIN_PX: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
@@ -143,7 +143,7 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     Ok(report)
 }
 
-fn score(read: &Homographies, name: &str, image_from_ground: &crate::geometry::Mat3) -> Option<Scored> {
+fn score(read: &Homographies, name: &str, image_from_ground: &touchline_core::geometry::Mat3) -> Option<Scored> {
     let view = PlaneView::new(image_from_ground, SIZE)?;
     let sampled = Sampled::new(&view, &read.field)?;
     let fitted = sampled.fitted(&read.field)?;

@@ -4,15 +4,15 @@
 //! text file for each frame (`N.homographyMatrix`: picture to template, template 114.83 × 74.37 yards). Both templates begin
 //! at the far left corner and run down, towards the camera; both count pixels from the first pixel's centre.
 
-use crate::experiments::ExperimentError;
-use crate::experiments::given::MAX_GIVEN_BYTES;
-use crate::field::{FieldModel, builtin};
-use crate::files::read_named_text;
-use crate::geometry::{ImageSize, Mat3};
+use crate::ExperimentError;
+use crate::given::MAX_GIVEN_BYTES;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use touchline_core::field::{FieldModel, builtin};
+use touchline_core::files::read_named_text;
+use touchline_core::geometry::{ImageSize, Mat3};
 
 /// The file with all homographies.
 const JSON_FILE: &str = "train_val.json";
@@ -121,8 +121,8 @@ fn read_text(folder: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vec2;
-    use crate::score::PlaneView;
+    use touchline_core::geometry::Vec2;
+    use touchline_core::score::PlaneView;
 
     #[test]
     fn both_forms_mean_the_same_and_y_runs_down() {

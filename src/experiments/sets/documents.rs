@@ -1,13 +1,13 @@
 //! A user's own frames: documents for training and one for testing, or documents whose clips are tested against each other.
 
 use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
-use crate::document::{Document, FrameStatus, Solution};
-use crate::experiments::ExperimentError;
-use crate::features::FeatureOptions;
-use crate::media::FrameReader;
-use crate::proposals::{FeatureStore, FramePictures};
+use crate::ExperimentError;
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
+use touchline_calibration::proposals::{FeatureStore, FramePictures};
+use touchline_documents::document::{Document, FrameStatus, Solution};
+use touchline_vision::features::FeatureOptions;
+use touchline_vision::media::FrameReader;
 
 /// A document with the folder that its paths start from.
 #[derive(Clone, Debug)]

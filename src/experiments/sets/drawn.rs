@@ -1,15 +1,15 @@
 //! Pictures that are drawn, with everything about them that is known.
 
 use super::{KnownFrame, KnownPicture};
-use crate::camera::PtzCamera;
-use crate::experiments::{ExperimentError, ExperimentOptions};
-use crate::features::{FeatureOptions, Features, extract};
-use crate::geometry::{ImageSize, PixelBox};
-use crate::media::{FrameReader, MediaError, Picture};
-use crate::synthetic::{Moment, PathStep, ShootOptions, Stadium};
+use crate::{ExperimentError, ExperimentOptions};
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbImage};
 use rayon::prelude::*;
+use touchline_core::camera::PtzCamera;
+use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_vision::features::{FeatureOptions, Features, extract};
+use touchline_vision::media::{FrameReader, MediaError, Picture};
+use touchline_vision::synthetic::{Moment, PathStep, ShootOptions, Stadium};
 
 /// A picture that is to be drawn.
 pub(super) struct Order<'a> {

@@ -6,16 +6,16 @@
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::experiments::paper::{SEQUENCE_FRAMES, Sequence, TABLE_2};
-use crate::experiments::setting::{FIELD_YD, SIZE, base, normal, rng};
-use crate::experiments::{ExperimentError, ExperimentOptions};
-use crate::field::{FieldModel, builtin};
-use crate::geometry::ImageSize;
-use crate::synthetic::{CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium};
+use crate::paper::{SEQUENCE_FRAMES, Sequence, TABLE_2};
+use crate::setting::{FIELD_YD, SIZE, base, normal, rng};
+use crate::{ExperimentError, ExperimentOptions};
 use rand::RngExt;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::{FieldModel, builtin};
+use touchline_core::geometry::ImageSize;
+use touchline_vision::synthetic::{CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium};
 
 /// Seconds between the frames of a sequence, between the beginnings of two, and to the second game.
 const STEP_S: f64 = 0.8;

@@ -15,12 +15,12 @@ pub use published::{PublishedKind, published, published_folder};
 pub use worldcup::{frames_a_game, worldcup};
 
 use super::ExperimentError;
-use crate::camera::PtzCamera;
-use crate::features::Features;
-use crate::field::FieldModel;
-use crate::geometry::PixelBox;
-use crate::media::{FrameReader, FrameRef};
 use image::{ImageFormat, RgbImage};
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::PixelBox;
+use touchline_vision::features::Features;
+use touchline_vision::media::{FrameReader, FrameRef};
 
 /// A frame whose camera is known.
 #[derive(Clone, Debug)]

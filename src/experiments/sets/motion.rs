@@ -2,16 +2,16 @@
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::experiments::given::MAX_GIVEN_BYTES;
-use crate::experiments::{ExperimentError, ExperimentOptions};
-use crate::field::builtin;
-use crate::files::read_named_text;
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use crate::synthetic::{CameraMotion, Moment, PathStep, Preset, StadiumOptions, stadium};
+use crate::given::MAX_GIVEN_BYTES;
+use crate::{ExperimentError, ExperimentOptions};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::builtin;
+use touchline_core::files::read_named_text;
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline_vision::synthetic::{CameraMotion, Moment, PathStep, Preset, StadiumOptions, stadium};
 
 /// The name of the file with the published motion.
 pub const MOTION_FILE: &str = "soccer_ground_truth.json";

@@ -2,12 +2,12 @@
 
 use super::documents::{Gathered, OwnDocument};
 use super::{FrameSet, SetKind, Split};
-use crate::exchange::read_authors_folder;
-use crate::experiments::ExperimentError;
-use crate::experiments::given::folder_with;
-use crate::experiments::progress::{Progress, counted};
+use crate::ExperimentError;
+use crate::given::folder_with;
+use crate::progress::{Progress, counted};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use touchline_documents::exchange::read_authors_folder;
 
 /// Which of the two published sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,8 +123,8 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
 #[cfg(feature = "opencv")]
 mod tests {
     use super::*;
-    use crate::exchange::authors_mat::writer::{CAMERA, frame, sequence};
     use std::fs;
+    use touchline_documents::exchange::mat_writer::{CAMERA, frame, sequence};
 
     /// Two sequences of three frames each, their images beside them.
     fn annotated(folder: &Path) {

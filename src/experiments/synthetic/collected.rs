@@ -1,8 +1,8 @@
 //! Errors of many trials with many cameras.
 
-use crate::camera::{Ptz, PtzCamera};
-use crate::report::{Cell, Table};
-use crate::score::camera_error;
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::score::camera_error;
+use touchline_documents::report::{Cell, Table};
 
 /// What one estimate errs by.
 #[derive(Clone, Copy, Debug, Default)]

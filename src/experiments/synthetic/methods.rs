@@ -1,10 +1,10 @@
 //! The estimates that are compared, and the bound below which none can lie.
 
 use super::collected::Errors;
-use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
-use crate::experiments::setting::Sighting;
-use crate::geometry::{Angle, Mat3, Vec2, Vec3};
-use crate::solve::{Loss, Observation, refine, solve_two_points};
+use crate::setting::Sighting;
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::{Angle, Mat3, Vec2, Vec3};
+use touchline_core::solve::{Loss, Observation, refine, solve_two_points};
 
 /// Points that the authors' refinement looks at.
 const AUTHORS_POINTS: usize = 32;
@@ -127,7 +127,7 @@ pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiments::setting::{base, drawn_ptz, rng, sightings};
+    use crate::setting::{base, drawn_ptz, rng, sightings};
 
     #[test]
     fn without_noise_the_exact_form_is_exact_and_the_authors_is_not() {

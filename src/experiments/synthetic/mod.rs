@@ -12,13 +12,13 @@ use super::ExperimentOptions;
 use super::paper::FIGURE_B;
 use super::progress::Progress;
 use super::setting::{SIZE, Sighting, base, drawn_ptz, rng, sightings};
-use crate::camera::{Ptz, PtzCamera};
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Table, Verdict};
 use collected::{Collected, Errors, camera_table};
 use methods::{bound, farthest_pair, refined, refined_approximate, two_points, two_points_approximate};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Table, Verdict};
 
 /// The noises of figure (b), px.
 const PIXEL_NOISES_PX: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];

@@ -3,11 +3,11 @@
 use super::Setting;
 use super::collected::{Collected, Errors, camera_table};
 use super::methods::{farthest_pair, refined, two_points};
-use crate::camera::{CameraBase, PtzCamera};
-use crate::experiments::setting::{Sighting, normals};
-use crate::geometry::rotation;
-use crate::report::figure::{Axis, Figure, Line, Mark, Series};
-use crate::report::{Cell, Report, Table, Verdict};
+use crate::setting::{Sighting, normals};
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::geometry::rotation;
+use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
+use touchline_documents::report::{Cell, Report, Table, Verdict};
 
 /// The errors of the base's position: m along each axis. The paper's figure ends at 0.1 m.
 const POSITION_NOISES_M: [f64; 7] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
@@ -70,7 +70,7 @@ fn measure(
     setting: &Setting<'_>,
     place: u64,
     noises: &[f64],
-    wrong: impl Fn(&CameraBase, f64, crate::geometry::Vec3) -> CameraBase + Sync,
+    wrong: impl Fn(&CameraBase, f64, touchline_core::geometry::Vec3) -> CameraBase + Sync,
 ) -> Measured {
     let of_noise = |(number, sigma): (usize, &f64)| {
         let collected = setting.collect(place + number as u64, |camera, seen, rng| {

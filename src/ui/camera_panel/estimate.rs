@@ -1,16 +1,16 @@
 //! Estimating the camera's base: what is needed, the progress, the result.
 
 use super::{evidence, section};
-use crate::app::base::{BaseWork, EstimateProgress};
-use crate::app::{Action, Command};
-use crate::calibrate::BaseReadiness;
-use crate::calibrate::EstimatedBase;
-use crate::document::Camera;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
+use touchline_application::app::base::{BaseWork, EstimateProgress};
+use touchline_application::app::{Action, Command};
+use touchline_calibration::calibrate::BaseReadiness;
+use touchline_calibration::calibrate::EstimatedBase;
+use touchline_documents::document::Camera;
 
 /// Shows the state of the estimation.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {

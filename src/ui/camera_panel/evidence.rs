@@ -2,11 +2,6 @@
 
 use super::position_view;
 use super::section;
-use crate::app::Action;
-use crate::calibrate::EstimatedBase;
-use crate::document::{Camera, Frame, Target};
-use crate::field::Symmetry;
-use crate::solve::base::{DisputedClick, MirroredFrame};
 use crate::ui::bar::Bar;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -14,6 +9,11 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
+use touchline_application::app::Action;
+use touchline_calibration::calibrate::EstimatedBase;
+use touchline_core::field::Symmetry;
+use touchline_core::solve::base::{DisputedClick, MirroredFrame};
+use touchline_documents::document::{Camera, Frame, Target};
 
 /// More frames than this are shown when asked for.
 const FRAMES_SHOWN: usize = 12;
@@ -138,7 +138,7 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
 }
 
 /// The frames that were left out, each with a button to put it back.
-fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::document::CameraId) {
+fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &touchline_documents::document::CameraId) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
     let out: Vec<(usize, String)> = frames

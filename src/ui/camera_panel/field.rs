@@ -1,9 +1,6 @@
 //! The field: its template, the venue's dimensions, whether the size is confirmed, and which edge of the lines it refers to.
 
 use super::{numbers, section};
-use crate::app::{Action, Command};
-use crate::document::{CROWN, FieldSize, FieldSpec};
-use crate::field::{Curve, FieldError, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
 use crate::ui::number::Number;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -14,6 +11,9 @@ use egui::{
     Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use std::ops::RangeInclusive;
+use touchline_application::app::{Action, Command};
+use touchline_core::field::{Curve, FieldError, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
+use touchline_documents::document::{CROWN, FieldSize, FieldSpec};
 
 /// The sketch of a line's paint, points.
 const SKETCH: egui::Vec2 = egui::Vec2::new(64.0, 26.0);

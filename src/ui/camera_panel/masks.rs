@@ -1,12 +1,12 @@
 //! The masks (boxes that are excluded from feature detection), as a list.
 
 use super::section;
-use crate::app::{Action, Command, MaskList, MaskScope};
-use crate::document::{Camera, MaskSource, RangedMask};
-use crate::geometry::PixelBox;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
+use touchline_application::app::{Action, Command, MaskList, MaskScope};
+use touchline_core::geometry::PixelBox;
+use touchline_documents::document::{Camera, MaskSource, RangedMask};
 
 /// Shows the list.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {

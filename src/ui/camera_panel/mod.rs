@@ -15,11 +15,11 @@ use super::{
     Panel, inspector,
     theme::{self, Themed as _},
 };
-use crate::app::{Action, Command};
-use crate::camera::BaseAngles;
-use crate::document::Camera;
-use crate::geometry::{Angle, Vec3};
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui};
+use touchline_application::app::{Action, Command};
+use touchline_core::camera::BaseAngles;
+use touchline_core::geometry::{Angle, Vec3};
+use touchline_documents::document::Camera;
 
 /// The usual position of a main camera, as a start for manual fitting: this far behind the near touchline, m.
 const START_BEHIND_M: f64 = 30.0;

@@ -1,16 +1,16 @@
 //! The camera's numbers.
 
 use super::section;
-use crate::app::Action;
-use crate::camera::{BaseAngles, BaseSigma};
-use crate::document::{Camera, CameraSigma, K1Curve, Stage};
-use crate::geometry::{Angle, Mat3, Vec3};
 use crate::ui::number::Number;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Grid, Layout, RichText, Ui, vec2};
+use touchline_application::app::Action;
+use touchline_core::camera::{BaseAngles, BaseSigma};
+use touchline_core::geometry::{Angle, Mat3, Vec3};
+use touchline_documents::document::{Camera, CameraSigma, K1Curve, Stage};
 
 /// The sensor of a broadcast camera (2/3 inch), mm: what exports take where nobody knows better.
 const GUESSED_SENSOR_MM: f64 = 9.6;

@@ -1,8 +1,6 @@
 //! Residuals of the camera's frames over time, with a mark where it stops fitting. A click goes there.
 
 use super::section;
-use crate::app::{Action, Command};
-use crate::document::Camera;
 use crate::ui::plot::{Plot, small};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -10,6 +8,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use touchline_application::app::{Action, Command};
+use touchline_documents::document::Camera;
 
 /// The plot's height, points.
 const HEIGHT: f32 = 72.0;
@@ -123,7 +123,8 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     }
     if let Some(point) = under {
         painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, ui.palette().strong));
-        let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(crate::document::Frame::name);
+        let name =
+            panel.app.open().and_then(|open| open.frame(point.frame)).map(touchline_documents::document::Frame::name);
         let text = format!("{}: {:.1} px. Click to go there.", name.unwrap_or_default(), point.rms_px);
         response.on_hover_text_at_pointer(text);
     }

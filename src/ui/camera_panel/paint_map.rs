@@ -2,14 +2,14 @@
 //! the frame that shows that place.
 
 use super::section;
-use crate::app::Action;
-use crate::calibrate::FoundCamera;
-use crate::document::Camera;
-use crate::geometry::ImagePoint;
-use crate::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use std::sync::Arc;
+use touchline_application::app::Action;
+use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
+use touchline_calibration::calibrate::FoundCamera;
+use touchline_core::geometry::ImagePoint;
+use touchline_documents::document::Camera;
 
 /// Places of paint that are drawn, at most.
 const PLACES: usize = 4000;

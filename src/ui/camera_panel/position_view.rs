@@ -1,12 +1,11 @@
 //! The stadium from above and from the side: the camera's position with its uncertainty, and where its frames look.
 
 use super::section;
-use crate::calibrate::EstimatedBase;
-use crate::field::FieldModel;
-use crate::geometry::Vec3;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
-use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+use touchline_calibration::calibrate::EstimatedBase;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{Vec2, Vec3, covariance_ellipse};
 
 /// The view's height, points.
 const HEIGHT: f32 = 176.0;
@@ -14,6 +13,8 @@ const HEIGHT: f32 = 176.0;
 const SIDE: f32 = 64.0;
 /// The least size of the drawn ellipse, points; it is enlarged by a round factor, which is shown.
 const VISIBLE: f64 = 14.0;
+/// The corners of the drawn ellipse.
+const CORNERS: u32 = 48;
 /// The least length of the frames' directions as drawn, m.
 const LOOK_M: f64 = 45.0;
 
@@ -67,8 +68,9 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
         painter.line_segment([at(position), at(end)], Stroke::new(width, colour));
     }
     let covariance = estimate.position_covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    let times = enlargement(covariance, scale);
-    let outline = ellipse(covariance).into_iter().map(|offset| {
+    let ellipse = covariance_ellipse(covariance, CORNERS);
+    let times = enlargement(&ellipse, scale);
+    let outline = ellipse.into_iter().map(|offset| {
         let grown = offset * times;
         at(position + Vec3::new(grown.x, grown.y, 0.0))
     });
@@ -105,21 +107,9 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
     );
 }
 
-/// The 1-σ ellipse of a covariance as offsets, m.
-fn ellipse(covariance: Matrix2<f64>) -> Vec<Vector2<f64>> {
-    const CORNERS: u32 = 48;
-    let axes = SymmetricEigen::new(covariance);
-    let radii = axes.eigenvalues.map(|value| value.max(0.0).sqrt());
-    let corner = |step: u32| {
-        let angle = f64::from(step) / f64::from(CORNERS) * std::f64::consts::TAU;
-        axes.eigenvectors * Vector2::new(radii.x * angle.cos(), radii.y * angle.sin())
-    };
-    (0..CORNERS).map(corner).collect()
-}
-
 /// The round factor that makes the ellipse visible at a scale (points per m).
-fn enlargement(covariance: Matrix2<f64>, scale: f64) -> f64 {
-    let radius_m = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
+fn enlargement(ellipse: &[Vec2], scale: f64) -> f64 {
+    let radius_m = ellipse.iter().map(Vec2::norm).fold(0.0, f64::max);
     let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;
     [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].iter().find(seen).copied().unwrap_or(100.0)
 }

@@ -1,15 +1,15 @@
 //! Finding the camera without a click: the button, the progress, what is left to decide.
 
 use super::section;
-use crate::app::operations::UnderWay;
-use crate::app::operations::camera_search::{Left, TwoCameras};
-use crate::app::{Action, Command};
-use crate::document::Camera;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Label, ProgressBar, RichText, Ui};
+use touchline_application::app::operations::UnderWay;
+use touchline_application::app::operations::camera_search::{Left, TwoCameras};
+use touchline_application::app::{Action, Command};
+use touchline_documents::document::Camera;
 
 /// Shows what can be done about a camera without a click; nothing where it has a base.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {

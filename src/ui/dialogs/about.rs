@@ -1,14 +1,14 @@
 //! Version, licence, citation, and a diagnostic report for bug reports.
 
 use super::sheet;
-use crate::app::App;
-use crate::media::opencv_version;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Label, RichText, vec2};
 use std::fmt::Write as _;
+use touchline_application::app::App;
+use touchline_vision::media::opencv_version;
 
 const CITATION: &str = "J. Chen, F. Zhu and J. J. Little: A Two-point Method for PTZ Camera Calibration in Sports. IEEE \
                         Winter Conference on Applications of Computer Vision (WACV), 2018.";

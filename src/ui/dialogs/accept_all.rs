@@ -1,9 +1,6 @@
 //! Accepting suggestions together: how many, how many of them are wrong, and a look at the doubtful ones and at samples.
 
 use super::{has_just_opened, sheet};
-use crate::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
-use crate::app::{Action, Command};
-use crate::proposals::ExpectedWrong;
 use crate::ui::{
     Panel, miniature, review,
     theme::{self, Themed as _},
@@ -13,6 +10,9 @@ use egui::{
     Stroke, Ui, UiBuilder, WidgetInfo, vec2,
 };
 use std::sync::Arc;
+use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
+use touchline_application::app::{Action, Command};
+use touchline_calibration::proposals::ExpectedWrong;
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(760.0, 560.0);

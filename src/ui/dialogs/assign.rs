@@ -1,15 +1,15 @@
 //! Which camera took these frames: one of the document's, or a new one.
 
 use super::{has_just_opened, sheet};
-use crate::app::selection::Scope;
-use crate::app::{Action, CameraChoice};
-use crate::document::CameraId;
-use crate::geometry::counted;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
+use touchline_application::app::selection::Scope;
+use touchline_application::app::{Action, CameraChoice};
+use touchline_core::geometry::counted;
+use touchline_documents::document::CameraId;
 
 /// More cameras than fit here are scrolled to, points.
 const LIST: f32 = 200.0;

@@ -1,12 +1,12 @@
 //! Another program changed the document: choosing which version to keep.
 
 use super::sheet;
-use crate::app::{Action, Command, OutsideChoice};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Label, RichText, vec2};
+use touchline_application::app::{Action, Command, OutsideChoice};
 
 /// What each choice is called, and what it does.
 const CHOICES: [(OutsideChoice, &str, &str); 3] = [

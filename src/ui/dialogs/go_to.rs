@@ -1,13 +1,13 @@
 //! Going to a frame by its number, or to a time.
 
 use super::{has_just_opened, sheet};
-use crate::app::place::Place;
-use crate::app::{Action, VideoAction, sentence};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
+use touchline_application::app::place::Place;
+use touchline_application::app::{Action, VideoAction, sentence};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {

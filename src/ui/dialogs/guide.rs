@@ -1,8 +1,6 @@
 //! The user guide: the Markdown of `assets/guide`, a page at a time, with the pictures that it names.
 
 use super::sheet;
-use crate::app::Action;
-use crate::app::guide::GuidePage;
 use crate::ui::{
     Panel,
     theme::{self, Palette, Themed as _},
@@ -13,35 +11,25 @@ use egui::{
     TextureOptions, Ui, WidgetInfo, vec2,
 };
 use image::ImageFormat;
+use touchline_application::app::Action;
+use touchline_application::app::guide::GuidePage;
+use touchline_assets::guide;
 
 /// The text of a page.
 const fn text(page: GuidePage) -> &'static str {
     match page {
-        GuidePage::FirstProject => include_str!("../../../assets/guide/first-project.md"),
-        GuidePage::Window => include_str!("../../../assets/guide/window.md"),
-        GuidePage::Base => include_str!("../../../assets/guide/base.md"),
-        GuidePage::Trust => include_str!("../../../assets/guide/trust.md"),
-        GuidePage::Video => include_str!("../../../assets/guide/video.md"),
-        GuidePage::Review => include_str!("../../../assets/guide/review.md"),
-        GuidePage::Quality => include_str!("../../../assets/guide/quality.md"),
-        GuidePage::Export => include_str!("../../../assets/guide/export.md"),
-        GuidePage::SeveralPeople => include_str!("../../../assets/guide/several-people.md"),
-        GuidePage::Glossary => include_str!("../../../assets/guide/glossary.md"),
+        GuidePage::FirstProject => guide::FIRST_PROJECT,
+        GuidePage::Window => guide::WINDOW,
+        GuidePage::Base => guide::BASE,
+        GuidePage::Trust => guide::TRUST,
+        GuidePage::Video => guide::VIDEO,
+        GuidePage::Review => guide::REVIEW,
+        GuidePage::Quality => guide::QUALITY,
+        GuidePage::Export => guide::EXPORT,
+        GuidePage::SeveralPeople => guide::SEVERAL_PEOPLE,
+        GuidePage::Glossary => guide::GLOSSARY,
     }
 }
-
-/// The pictures by the names that pages give them (`make pictures` takes them).
-const PICTURES: [(&str, &[u8]); 9] = [
-    ("pictures/camera.webp", include_bytes!("../../../assets/guide/pictures/camera.webp")),
-    ("pictures/export.webp", include_bytes!("../../../assets/guide/pictures/export.webp")),
-    ("pictures/naming.webp", include_bytes!("../../../assets/guide/pictures/naming.webp")),
-    ("pictures/quality.webp", include_bytes!("../../../assets/guide/pictures/quality.webp")),
-    ("pictures/review.webp", include_bytes!("../../../assets/guide/pictures/review.webp")),
-    ("pictures/solved.webp", include_bytes!("../../../assets/guide/pictures/solved.webp")),
-    ("pictures/timeline.webp", include_bytes!("../../../assets/guide/pictures/timeline.webp")),
-    ("pictures/uncertainty.webp", include_bytes!("../../../assets/guide/pictures/uncertainty.webp")),
-    ("pictures/window.webp", include_bytes!("../../../assets/guide/pictures/window.webp")),
-];
 
 /// The width of the list of pages, points.
 const LIST: f32 = 120.0;
@@ -131,7 +119,7 @@ fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
 
 /// A picture of the guide on the graphics adapter.
 fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
-    let (_, bytes) = PICTURES.iter().find(|(known, _)| *known == name)?;
+    let (_, bytes) = guide::PICTURES.iter().find(|(known, _)| *known == name)?;
     let picture = image::load_from_memory_with_format(bytes, ImageFormat::WebP).ok()?.into_rgb8();
     let image = ColorImage::from_rgb([picture.width() as usize, picture.height() as usize], picture.as_raw());
     Some(ctx.load_texture(name, image, TextureOptions::LINEAR))
@@ -202,7 +190,8 @@ mod tests {
             let size = decoded(&ctx, name).map(|texture| texture.size());
             assert!(size.is_some_and(|[width, _]| width >= 900), "{name}: {size:?}");
         }
-        let unused: Vec<_> = PICTURES.iter().filter(|(name, _)| !named.iter().any(|(_, used)| used == name)).collect();
+        let unused: Vec<_> =
+            guide::PICTURES.iter().filter(|(name, _)| !named.iter().any(|(_, used)| used == name)).collect();
         assert_eq!(unused.len(), 0);
     }
 }

@@ -1,12 +1,12 @@
 //! Every command and its key; a click on a key changes it.
 
 use super::sheet;
-use crate::app::{Action, Chord, Command, Keymap, MenuGroup};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
+use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup};
 
 /// Keys that are not commands and cannot be changed.
 const FIXED: [(&str, &str); 9] = [

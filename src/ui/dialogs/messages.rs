@@ -1,12 +1,12 @@
 //! Every message of this session, the latest first.
 
 use super::sheet;
-use crate::app::{Action, Command};
 use crate::ui::{
     Panel, notices, symbol,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
+use touchline_application::app::{Action, Command};
 
 /// Shows the list.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {

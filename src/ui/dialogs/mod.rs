@@ -29,11 +29,11 @@ use super::{
     Panel, symbol,
     theme::{self, Themed as _},
 };
-use crate::app::session::Dialog;
-use crate::app::{Action, Command};
 use egui::{
     Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText, Sense, Ui, Vec2, vec2,
 };
+use touchline_application::app::session::Dialog;
+use touchline_application::app::{Action, Command};
 
 /// Shows the dialog that is open, if any.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui) {

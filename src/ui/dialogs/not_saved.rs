@@ -1,13 +1,13 @@
 //! The warning before unsaved edits are lost.
 
 use super::sheet;
-use crate::app::session::{Leaving, Saving};
-use crate::app::{Action, Command};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
+use touchline_application::app::session::{Leaving, Saving};
+use touchline_application::app::{Action, Command};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {

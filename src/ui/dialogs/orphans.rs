@@ -1,13 +1,13 @@
 //! Edits of another version of the document that were set aside.
 
 use super::sheet;
-use crate::app::Action;
-use crate::store::Orphan;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Context, Label, RichText, ScrollArea, Ui, vec2};
+use touchline_application::app::Action;
+use touchline_documents::store::Orphan;
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {

@@ -1,10 +1,10 @@
 //! Colour, width and opacity of the field's lines; the picture stays in view and follows at once.
 
 use super::{frame, header, swatches};
-use crate::app::Action;
-use crate::scene::{OverlayStyle, Sport};
 use crate::ui::{Panel, theme};
 use egui::{Area, Button, Context, Grid, Id, Order, Slider, Ui, vec2};
+use touchline_application::app::Action;
+use touchline_application::scene::{OverlayStyle, Sport};
 
 /// Shows the sheet at the upper left of the picture.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {

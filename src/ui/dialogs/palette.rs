@@ -1,8 +1,6 @@
 //! The command palette: any command by typing.
 
 use super::{curtain, fuzzy, has_just_opened};
-use crate::app::synonyms::synonyms;
-use crate::app::{Action, App, Command};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
@@ -12,6 +10,8 @@ use egui::{
     TextEdit, Ui, WidgetInfo, pos2, vec2,
 };
 use std::cmp::Reverse;
+use touchline_application::app::synonyms::synonyms;
+use touchline_application::app::{Action, App, Command};
 
 /// The palette's width, points.
 const WIDTH: f32 = 520.0;

@@ -1,13 +1,13 @@
 //! Typing a path, where the system has no file dialog.
 
 use super::{has_just_opened, sheet};
-use crate::app::{Action, Question};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
+use touchline_application::app::{Action, Question};
 
 /// The title, the button's text, and an example.
 const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {

@@ -1,13 +1,13 @@
 //! Brightness, contrast and gamma of the picture; it stays in view and follows at once.
 
 use super::{frame, header};
-use crate::app::{Action, Command};
-use crate::scene::PictureLook;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Area, Button, Context, Grid, Id, Order, Slider, vec2};
+use touchline_application::app::{Action, Command};
+use touchline_application::scene::PictureLook;
 
 /// Shows the sheet at the upper left of the picture.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {

@@ -1,14 +1,14 @@
 //! Everything that belongs to the user and not to a project, in one place.
 
 use super::{sheet, swatches};
-use crate::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
-use crate::app::{Action, Command};
-use crate::scene::SPORTS;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
+use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
+use touchline_application::app::{Action, Command};
+use touchline_application::scene::SPORTS;
 
 /// Switches, with what the settings say of each.
 const SWITCHES: [Command; 4] =

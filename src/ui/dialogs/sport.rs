@@ -1,8 +1,6 @@
 //! The sport, chosen by a drawing of its field.
 
 use super::{has_just_opened, sheet};
-use crate::app::{Action, App};
-use crate::field::{FieldModel, builtin, builtin_names};
 use crate::ui::labels::{PlateStyle, plate};
 use crate::ui::{
     Panel,
@@ -12,6 +10,8 @@ use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role, ScrollArea, Sense,
     Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::{Action, App};
+use touchline_core::field::{FieldModel, builtin, builtin_names};
 
 /// The size of a drawing with its name, points.
 const CARD: egui::Vec2 = vec2(150.0, 132.0);

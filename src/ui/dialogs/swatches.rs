@@ -1,8 +1,8 @@
 //! Colours of lines to choose from; those that every colour vision tells from the sport's ground come first.
 
-use crate::scene::{Ground, LINE_COLOURS, LineColour};
 use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
+use touchline_application::scene::{Ground, LINE_COLOURS, LineColour};
 
 /// The side of a colour, points.
 const SIDE: f32 = 20.0;

@@ -7,22 +7,22 @@ use super::labels::{self, PlateStyle, plate};
 use super::placement::Placement;
 use super::viewport::Gesture;
 use super::{Panel, canvas, menu};
-use crate::app::Action;
-use crate::app::App;
-use crate::app::Command;
-use crate::app::session::{Mode, PictureView};
-use crate::document::Target;
-use crate::field::{FieldModel, builtin};
-use crate::geometry::{ImagePoint, Vec3};
-use crate::render::Layer;
-use crate::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
-use crate::scene::field_map::{FieldMap, SURROUND, field_map};
-use crate::scene::overlay::{OverlayScene, SELECTED, Standing};
 use egui::{
     Align2, Button, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, RichText, Role, Sense, Shape,
     Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
+use touchline_application::app::Action;
+use touchline_application::app::App;
+use touchline_application::app::Command;
+use touchline_application::app::session::{Mode, PictureView};
+use touchline_application::render::Layer;
+use touchline_application::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
+use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
+use touchline_application::scene::overlay::{OverlayScene, SELECTED, Standing};
+use touchline_core::field::{FieldModel, builtin};
+use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_documents::document::Target;
 
 /// The margin around the field, m.
 const MARGIN_M: f64 = 6.0;

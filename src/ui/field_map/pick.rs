@@ -1,11 +1,11 @@
 //! Finding the landmark or line under the pointer on the field map.
 
-use crate::document::Target;
-use crate::field::{Curve, FieldModel, Landmark};
-use crate::geometry::ImagePoint;
-use crate::scene::field_map::FieldMap;
 use crate::ui::placement::Placement;
 use egui::{Pos2, Vec2, vec2};
+use touchline_application::scene::field_map::FieldMap;
+use touchline_core::field::{Curve, FieldModel, Landmark};
+use touchline_core::geometry::ImagePoint;
+use touchline_documents::document::Target;
 
 /// The picking distance of landmarks, points.
 const LANDMARK_REACH_PT: f32 = 12.0;
@@ -86,10 +86,10 @@ fn distance_to_curve(curve: &Curve, map: &FieldMap, placement: &Placement, at: P
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::session::PictureView;
-    use crate::document::FieldSpec;
     use egui::{Rect, pos2};
     use std::path::Path;
+    use touchline_application::app::session::PictureView;
+    use touchline_documents::document::FieldSpec;
 
     fn soccer() -> FieldModel {
         FieldSpec::new("soccer").model(Path::new("")).unwrap()

@@ -1,7 +1,6 @@
 //! A run of frames that the forest has no answer for, as one cell.
 
 use super::item::{BAR, CAPTION};
-use crate::app::Action;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
@@ -9,6 +8,7 @@ use crate::ui::{
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::Action;
 
 /// The distance between the sheets of the stack, points.
 const SHEET: f32 = 3.0;

@@ -5,11 +5,11 @@ mod item;
 mod strip;
 
 use super::{Panel, theme::Themed as _};
-use crate::app::Action;
-use crate::app::session::Filter;
-use crate::document::FrameStatus;
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 use strip::{Strip, StripCell};
+use touchline_application::app::Action;
+use touchline_application::app::session::Filter;
+use touchline_documents::document::FrameStatus;
 
 /// The width of the column with the filter, points.
 const COLUMN: f32 = 116.0;

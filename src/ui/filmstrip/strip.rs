@@ -1,12 +1,12 @@
 //! The layout of the filmstrip.
 
-use crate::app::OpenProject;
-use crate::app::session::Filter;
-use crate::document::{Clip, Frame, FrameChanges, Frames};
 use egui::{Id, Ui};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
+use touchline_application::app::OpenProject;
+use touchline_application::app::session::Filter;
+use touchline_documents::document::{Clip, Frame, FrameChanges, Frames};
 
 /// Between two frames of a shot, points.
 const GAP: f32 = 4.0;
@@ -238,8 +238,8 @@ fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
-    use crate::geometry::ImageSize;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
 
     fn open(clips: &[i64]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));

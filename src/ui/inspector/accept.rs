@@ -1,10 +1,10 @@
 //! The main button: it makes the frame a reference; while an estimated base waits for a decision it takes that base.
 
-use crate::app::{Action, Command};
-use crate::document::FrameStatus;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
+use touchline_application::app::{Action, Command};
+use touchline_documents::document::FrameStatus;
 
 /// The button's height, points.
 const HEIGHT: f32 = 44.0;

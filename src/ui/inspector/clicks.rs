@@ -1,10 +1,5 @@
 //! The points of the frame, a row each.
 
-use crate::app::{Action, App, Command};
-use crate::document::Click;
-use crate::scene::drawing;
-use crate::scene::overlay::{CHECK, click_colour};
-use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel, menu,
@@ -15,6 +10,11 @@ use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::{Action, App, Command};
+use touchline_application::scene::drawing;
+use touchline_application::scene::overlay::{CHECK, click_colour};
+use touchline_core::solve::FrameSolution;
+use touchline_documents::document::Click;
 
 /// The column of the residuals, points: of numbers, and of the words "no evidence".
 const RESIDUAL: [f32; 2] = [50.0, 68.0];

@@ -1,15 +1,15 @@
 //! The details, collapsed by default: uncertainties, residuals, the second root, the camera, every warning.
 
-use crate::app::camera_text::CameraText;
-use crate::app::{Action, App, Command};
-use crate::document::{Solution, Target};
-use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+use touchline_application::app::camera_text::CameraText;
+use touchline_application::app::{Action, App, Command};
+use touchline_core::solve::FrameSolution;
+use touchline_documents::document::{Solution, Target};
 
 /// Shows the details, or the line that expands them.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {

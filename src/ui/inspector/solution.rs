@@ -1,15 +1,15 @@
 //! Pan, tilt, focal length and field of view: shown, dragged or typed.
 
-use crate::app::{Action, App};
-use crate::camera::Ptz;
-use crate::document::{Frame, FramePtz, SolutionSource};
-use crate::geometry::Angle;
 use crate::ui::number::Number;
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Layout, RichText, Ui};
+use touchline_application::app::{Action, App};
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::Angle;
+use touchline_documents::document::{Frame, FramePtz, SolutionSource};
 
 /// The width of the labels, points.
 const LABEL: f32 = 34.0;

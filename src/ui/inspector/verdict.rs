@@ -1,17 +1,17 @@
 //! The verdict on the solution in one word, its reason, and at most one remedy.
 
-use crate::app::review::percent;
-use crate::app::selection::Scope;
-use crate::app::{Action, App, CameraChoice, Command, sentence};
-use crate::calibrate::CalibrationError;
-use crate::document::{Frame, FrameStatus, Target};
-use crate::solve::{SolveError, Verdict, Warning, WarningCode};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Button, Label, RichText, Ui};
+use touchline_application::app::review::percent;
+use touchline_application::app::selection::Scope;
+use touchline_application::app::{Action, App, CameraChoice, Command, sentence};
+use touchline_calibration::calibrate::CalibrationError;
+use touchline_core::solve::{SolveError, Verdict, Warning, WarningCode};
+use touchline_documents::document::{Frame, FrameStatus, Target};
 
 /// The least height of the group, points, so that little jumps from frame to frame.
 pub const HEIGHT: f32 = 78.0;

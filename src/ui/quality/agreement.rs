@@ -2,10 +2,6 @@
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
-use crate::app::operations::Compared;
-use crate::app::{Action, Command};
-use crate::document::Target;
-use crate::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{
@@ -15,6 +11,10 @@ use crate::ui::{
 use egui::{Button, Label, RichText, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
+use touchline_application::app::operations::Compared;
+use touchline_application::app::{Action, Command};
+use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
+use touchline_documents::document::Target;
 
 /// More rows than this are not listed.
 const SHOWN: usize = 9;

@@ -2,12 +2,6 @@
 
 use super::time::time_ticks;
 use super::{card, legend, nothing_yet};
-use crate::app::quality::{Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, drawn, within_whole, zoomed};
-use crate::app::review::{DISAGREES_PX, percent};
-use crate::app::{Action, Command};
-use crate::document::Frame;
-use crate::geometry::Angle;
-use crate::report::figure::Ruler;
 use crate::ui::menu::file_name;
 use crate::ui::plot::Plot;
 use crate::ui::{
@@ -18,6 +12,14 @@ use egui::{
     Button, CornerRadius, CursorIcon, Label, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::quality::{
+    Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, drawn, within_whole, zoomed,
+};
+use touchline_application::app::review::{DISAGREES_PX, percent};
+use touchline_application::app::{Action, Command};
+use touchline_core::geometry::Angle;
+use touchline_documents::document::Frame;
+use touchline_documents::report::figure::Ruler;
 
 /// The heights of one plot: at least, and as a share of the page's width, points.
 const HEIGHT: f32 = 76.0;

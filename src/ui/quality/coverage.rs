@@ -1,14 +1,14 @@
 //! Where references and suggestions look, over pan and tilt. A click goes to the frame that looks there.
 
 use super::{card, legend, nothing_yet};
-use crate::app::Action;
-use crate::app::quality::{CoursePoint, PointKind, Seen};
-use crate::app::where_to_label::whole_degrees;
-use crate::proposals::Coverage;
 use crate::ui::coverage_map::{CoverageMap, label_next, missing, seen_by};
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
+use touchline_application::app::Action;
+use touchline_application::app::quality::{CoursePoint, PointKind, Seen};
+use touchline_application::app::where_to_label::whole_degrees;
+use touchline_calibration::proposals::Coverage;
 
 /// The map's height: at least, and as a share of its width, points.
 const HEIGHT: f32 = 120.0;

@@ -1,14 +1,14 @@
 //! Histograms of the errors of clicks and of check points. A click goes to the worst one of a bar.
 
 use super::{card, legend, nothing_yet};
-use crate::app::Action;
-use crate::app::quality::{ClickErrors, Histogram, Spread};
-use crate::report::figure::Ruler;
 use crate::ui::plot::Plot;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::Action;
+use touchline_application::app::quality::{ClickErrors, Histogram, Spread};
+use touchline_documents::report::figure::Ruler;
 
 /// The height of a histogram, points.
 const HEIGHT: f32 = 86.0;

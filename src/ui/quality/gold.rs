@@ -2,13 +2,13 @@
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
-use crate::app::{Action, Command};
-use crate::calibrate::OwnNoise;
-use crate::document::{ClickNoise, Target};
-use crate::geometry::counted;
 use crate::ui::bar::Bar;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Label, RichText, Ui, vec2};
+use touchline_application::app::{Action, Command};
+use touchline_calibration::calibrate::OwnNoise;
+use touchline_core::geometry::counted;
+use touchline_documents::document::{ClickNoise, Target};
 
 /// More landmarks than this are not listed.
 const LANDMARKS_SHOWN: usize = 9;

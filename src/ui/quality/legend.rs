@@ -1,11 +1,11 @@
 //! How the frames of each kind are marked on the page.
 
-use crate::app::quality::PointKind;
 use crate::ui::theme::{Palette, Themed as _};
 use egui::{
     Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::quality::PointKind;
 
 /// The height of a line of the legend, and the room for a mark, points.
 const ROW: f32 = 16.0;

@@ -1,6 +1,6 @@
 //! The quality page: how good labels and proposals are. It takes the window; each section is a file and a card.
 //!
-//! A section shows what [`crate::app::quality`] derived. A click goes to the frame and closes the page.
+//! A section shows what [`touchline_application::app::quality`] derived. A click goes to the frame and closes the page.
 
 mod agreement;
 mod course;
@@ -17,9 +17,9 @@ use super::{
     Panel,
     theme::{self, Themed as _},
 };
-use crate::app::{Action, Command};
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
+use touchline_application::app::{Action, Command};
 
 /// Between cards, points.
 const GAP: f32 = 8.0;

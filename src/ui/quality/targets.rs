@@ -1,12 +1,12 @@
 //! Landmarks and lines by the errors of their clicks, the worst first. A click goes to the worst click on one.
 
 use super::{card, nothing_yet};
-use crate::app::Action;
-use crate::app::quality::TargetErrors;
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Id, RichText, Ui};
+use touchline_application::app::Action;
+use touchline_application::app::quality::TargetErrors;
 
 /// More landmarks than this are shown when asked for.
 const SHOWN: usize = 11;

@@ -1,7 +1,7 @@
 //! Tick marks of a time axis.
 
-use crate::app::quality::TimeAxis;
-use crate::report::figure::Ruler;
+use touchline_application::app::quality::TimeAxis;
+use touchline_documents::report::figure::Ruler;
 
 /// Tick marks of a time axis, about `count` of them.
 pub fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, String)> {

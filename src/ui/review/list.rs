@@ -1,9 +1,6 @@
 //! The list of suggestions: a thumbnail with the proposed lines, the confidence, the deviation from its neighbours. Only
 //! visible rows are laid out. While the pointer is over the list no row moves; otherwise the shown frame's row keeps its place.
 
-use crate::app::review::{ReviewOrder, ReviewRow, percent};
-use crate::app::session::status_label;
-use crate::app::{Action, Command, sentence};
 use crate::ui::menu::{self, file_name};
 use crate::ui::{
     Panel, miniature,
@@ -14,6 +11,9 @@ use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2,
     vec2,
 };
+use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
+use touchline_application::app::session::status_label;
+use touchline_application::app::{Action, Command, sentence};
 
 /// The height of a row, points.
 const ROW: f32 = 44.0;

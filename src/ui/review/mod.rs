@@ -7,9 +7,9 @@ use super::{
     Panel, inspector,
     theme::{self, Themed as _},
 };
-use crate::app::review::{ReviewOrder, percent};
-use crate::app::{Action, Command};
 use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use touchline_application::app::review::{ReviewOrder, percent};
+use touchline_application::app::{Action, Command};
 
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {

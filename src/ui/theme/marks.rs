@@ -1,9 +1,9 @@
 //! Marks that are drawn: the bar of a status, and what the painted lines say.
 
 use super::palette::Themed as _;
-use crate::document::FrameStatus;
-use crate::markings::LineVerdict;
 use egui::{CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
+use touchline_core::markings::LineVerdict;
+use touchline_documents::document::FrameStatus;
 
 /// The letter of a status.
 pub const fn status_letter(status: FrameStatus) -> char {

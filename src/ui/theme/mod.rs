@@ -6,10 +6,10 @@ mod palette;
 pub use marks::{paint_line_mark, paint_status_bar, status_letter};
 pub use palette::{ON_PICTURE, Palette, Themed};
 
-use crate::app::settings::ThemeChoice;
 use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, ThemePreference, Vec2, vec2,
 };
+use touchline_application::app::settings::ThemeChoice;
 
 /// The grid, points.
 pub const SPACE: f32 = 4.0;

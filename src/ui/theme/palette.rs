@@ -1,8 +1,8 @@
 //! The colours of the window, dark and light, and how whatever draws gets at them.
 
-use crate::document::FrameStatus;
-use crate::solve::Verdict;
 use egui::{Color32, Context, Painter, Theme, Ui};
+use touchline_core::solve::Verdict;
+use touchline_documents::document::FrameStatus;
 
 /// The colours of one theme.
 ///

@@ -1,10 +1,5 @@
 //! All frames of the document on one line: a click or a drag goes there, the handle of a cut moves it.
 
-use crate::app::place::time_code;
-use crate::app::session::status_label;
-use crate::app::{Action, App, Command, OpenProject, VideoAction};
-use crate::document::{FrameStatus, ShotKind};
-use crate::scene::timeline::{Timeline, TimelineCut, TimelineSource};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -12,6 +7,11 @@ use egui::{
 };
 use std::path::PathBuf;
 use std::sync::Arc;
+use touchline_application::app::place::time_code;
+use touchline_application::app::session::status_label;
+use touchline_application::app::{Action, App, Command, OpenProject, VideoAction};
+use touchline_application::scene::timeline::{Timeline, TimelineCut, TimelineSource};
+use touchline_documents::document::{FrameStatus, ShotKind};
 
 /// How near to its line a cut is taken hold of, points.
 const HOLD: f32 = 5.0;

@@ -8,11 +8,11 @@ use super::{
     Panel,
     theme::{self, Themed as _},
 };
-use crate::app::place::time_code;
-use crate::app::playing::SPEEDS;
-use crate::app::video::PlaySpeed;
-use crate::app::{Action, App, Command, VideoAction};
 use egui::{Align, Button, ComboBox, Layout, RichText, Ui, vec2};
+use touchline_application::app::place::time_code;
+use touchline_application::app::playing::SPEEDS;
+use touchline_application::app::video::PlaySpeed;
+use touchline_application::app::{Action, App, Command, VideoAction};
 
 /// The height of the timeline, points.
 pub const HEIGHT: f32 = 36.0;

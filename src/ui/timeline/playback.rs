@@ -1,12 +1,12 @@
 //! The video plays: the frame that is due is shown, with everything that lies over it.
 
-use crate::app::playing::PlayClock;
-use crate::app::session::Mode;
-use crate::app::{Action, VideoAction};
 use crate::ui::Panel;
 use egui::{Context, Id};
 use std::collections::BTreeSet;
 use std::time::Duration;
+use touchline_application::app::playing::PlayClock;
+use touchline_application::app::session::Mode;
+use touchline_application::app::{Action, VideoAction};
 
 /// How soon it is looked again whether a frame has been decoded.
 const LOOK_AGAIN: Duration = Duration::from_millis(20);

@@ -1,14 +1,14 @@
 //! The forest's accuracy, tested on references that were left out of the training.
 
 use super::place_and_name;
-use crate::app::Action;
-use crate::app::where_to_label::whole_degrees;
-use crate::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
+use touchline_application::app::Action;
+use touchline_application::app::where_to_label::whole_degrees;
+use touchline_calibration::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 
 /// How many of the worst are listed.
 const SHOWN: usize = 6;
@@ -85,8 +85,8 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::FrameId;
-    use crate::proposals::FoundAgain;
+    use touchline_calibration::proposals::FoundAgain;
+    use touchline_documents::document::FrameId;
 
     #[test]
     fn the_summary_counts_found_and_wrong_references() {

@@ -1,9 +1,9 @@
 //! The map of pan and tilt: where references look, which of them the forest finds again, and where a label helps most.
 
-use crate::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 use crate::ui::coverage_map::{CoverageMap, label_next, missing};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Label, Sense, Stroke, Ui};
+use touchline_calibration::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 
 /// The map's height, points.
 const HEIGHT: f32 = 84.0;

@@ -9,13 +9,15 @@ use super::{
     Panel,
     theme::{self, Themed as _},
 };
-use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference, describe_left};
-use crate::document::FrameId;
-use crate::geometry::thousands;
-use crate::proposals::Suspect;
 use egui::{
     Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
+use touchline_application::app::{
+    Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference, describe_left,
+};
+use touchline_calibration::proposals::Suspect;
+use touchline_core::geometry::thousands;
+use touchline_documents::document::FrameId;
 
 /// The most unusable references that are listed.
 const FAILED_SHOWN: usize = 5;
@@ -121,7 +123,8 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         );
     }
     let shown = panel.app.session.frame;
-    let reference = panel.app.frame().filter(|frame| frame.status == crate::document::FrameStatus::Reference);
+    let reference =
+        panel.app.frame().filter(|frame| frame.status == touchline_documents::document::FrameStatus::Reference);
     if let Some(frame) = reference {
         let before = frame.is_used_for_training();
         let mut used = before;

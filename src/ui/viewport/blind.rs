@@ -2,15 +2,15 @@
 
 use super::hints::{PLATE, beside};
 use super::pointer::Hold;
-use crate::document::Target;
-use crate::geometry::ImagePoint;
-use crate::render::Layer;
-use crate::scene::overlay::CLICK;
 use crate::ui::labels::{self, PlateStyle, plate};
 use crate::ui::overlay::Overlay;
 use crate::ui::placement::Placement;
 use crate::ui::{Panel, canvas, loupe};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Stroke, vec2};
+use touchline_application::render::Layer;
+use touchline_application::scene::overlay::CLICK;
+use touchline_core::geometry::ImagePoint;
+use touchline_documents::document::Target;
 
 /// The crosshair of the dragged click: the length of its arms and the gap in its middle, points.
 const ARM: [f32; 2] = [4.0, 11.0];

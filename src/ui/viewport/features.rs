@@ -1,11 +1,11 @@
 //! The features of the shown frame, and how the forest used them.
 
-use crate::app::App;
-use crate::proposals::{FeatureUse, UsedFeatures};
 use crate::ui::labels::{PlateStyle, plate};
 use crate::ui::placement::Placement;
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Painter, Stroke, vec2};
+use touchline_application::app::App;
+use touchline_calibration::proposals::{FeatureUse, UsedFeatures};
 
 /// How large a feature is drawn, points.
 const RADIUS: f32 = 2.5;
@@ -52,7 +52,7 @@ fn legend(used: Option<&UsedFeatures>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::ImagePoint;
+    use touchline_core::geometry::ImagePoint;
 
     #[test]
     fn each_kind_contains_the_next() {

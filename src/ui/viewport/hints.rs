@@ -1,14 +1,14 @@
 //! Texts on the picture: names of points, what the next click places, why there is no picture.
 
 use super::scene::waits_for_name;
-use crate::app::Command;
-use crate::app::session::{Mode, reason_label};
-use crate::document::FrameStatus;
-use crate::scene::overlay::{CLICK, UNNAMED};
 use crate::ui::labels::{PlateStyle, colour, plate};
 use crate::ui::placement::Placement;
 use crate::ui::{Panel, rejecting, theme, typing};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
+use touchline_application::app::Command;
+use touchline_application::app::session::{Mode, reason_label};
+use touchline_application::scene::overlay::{CLICK, UNNAMED};
+use touchline_documents::document::FrameStatus;
 
 /// The plate behind a text.
 pub const PLATE: Color32 = Color32::from_black_alpha(200);

@@ -14,13 +14,13 @@ mod wheel;
 use super::overlay::Overlay;
 use super::placement::Placement;
 use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme};
-use crate::app::Action;
-use crate::app::session::Mode;
-use crate::geometry::{ImagePoint, ImageSize};
-use crate::media;
-use crate::render::{Layer, PictureKey, PictureLayer};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
+use touchline_application::app::Action;
+use touchline_application::app::session::Mode;
+use touchline_application::render::{Layer, PictureKey, PictureLayer};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_vision::media;
 
 pub use wheel::Gesture;
 

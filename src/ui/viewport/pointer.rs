@@ -3,11 +3,11 @@
 //! Events are read one by one, so that a press and its release within one frame of the window are both seen.
 
 use super::wheel::Gesture;
-use crate::app::Action;
-use crate::app::session::{Mode, PictureView};
-use crate::geometry::{ImagePoint, PixelBox};
 use crate::ui::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
+use touchline_application::app::Action;
+use touchline_application::app::session::{Mode, PictureView};
+use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// The distance within which a press grabs a click, points.
 pub const REACH_PT: f32 = 8.0;
@@ -253,8 +253,8 @@ impl Reading<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::ImageSize;
     use egui::{Rect, pos2, vec2};
+    use touchline_core::geometry::ImageSize;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn with_a_chosen_name_a_click_near_another_point_places_a_new_one() {
-        let mode = Mode::Placing(crate::document::Target::Landmark("centre_mark".into()));
+        let mode = Mode::Placing(touchline_documents::document::Target::Landmark("centre_mark".into()));
         let actions = read(&mut Pointer::default(), &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &mode);
         assert_eq!(actions, [Action::Press { at: ImagePoint::new(400.0, 400.0), on: None }]);
     }

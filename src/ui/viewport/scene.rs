@@ -1,13 +1,13 @@
 //! The overlay: the field, the clicks, the camera of a highlighted name, masks.
 
 use super::pointer::Hold;
-use crate::app::{App, session::Mode};
-use crate::document::FrameStatus;
-use crate::scene::OverlayStyle;
-use crate::scene::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
 use crate::ui::masks;
 use crate::ui::overlay::Overlay;
 use std::sync::Arc;
+use touchline_application::app::{App, session::Mode};
+use touchline_application::scene::OverlayStyle;
+use touchline_application::scene::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
+use touchline_documents::document::FrameStatus;
 
 /// The opacity of a camera that is only previewed.
 const PREVIEW_OPACITY: f32 = 0.75;

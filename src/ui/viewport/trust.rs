@@ -1,19 +1,19 @@
 //! The uncertainty of the lines over the picture: band or heat map with its legend, and where to click next.
 
-use crate::app::App;
-use crate::app::session::Mode;
-use crate::camera::PtzCamera;
-use crate::document::FrameStatus;
-use crate::geometry::ImagePoint;
-use crate::render::Layer;
-use crate::scene::next_click::NextClick;
-use crate::scene::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
-use crate::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
 use crate::ui::labels::colour;
 use crate::ui::placement::Placement;
 use crate::ui::{Panel, theme};
 use egui::{Align2, Color32, FontId, Id, Mesh, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
+use touchline_application::app::App;
+use touchline_application::app::session::Mode;
+use touchline_application::render::Layer;
+use touchline_application::scene::next_click::NextClick;
+use touchline_application::scene::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
+use touchline_core::camera::PtzCamera;
+use touchline_core::geometry::ImagePoint;
+use touchline_core::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
+use touchline_documents::document::FrameStatus;
 
 /// The opacity of the heat map.
 const HEAT_OPACITY: f32 = 0.45;

@@ -3,11 +3,11 @@
 mod bounds;
 mod folder;
 mod json;
-#[path = "../../hostile/json_values.rs"]
+#[path = "../../../src/documents/tests/hostile/json_values.rs"]
 mod json_values;
-#[path = "../../../src/exchange/authors_mat/writer.rs"]
+#[path = "../../../src/documents/exchange/authors_mat/writer.rs"]
 pub mod mat_writer;
-#[path = "../../hostile/samples.rs"]
+#[path = "../../../src/documents/tests/hostile/samples.rs"]
 pub mod samples;
 
 pub use bounds::{bounded, bounded_beside, one_line};

@@ -9,7 +9,7 @@ use touchline::geometry::{ImagePoint, ImageSize};
 use touchline_fuzz::bounded;
 
 static DOCUMENT: LazyLock<Document> = LazyLock::new(|| {
-    document_from_bytes(include_bytes!("../../suite/samples/document-v1.json")).expect("the document is read")
+    document_from_bytes(include_bytes!("../../../src/documents/tests/samples/document-v1.json")).expect("the document is read")
 });
 
 /// What a person or a program does to a document.

@@ -7,7 +7,7 @@ use touchline::document::{Document, Edit, document_from_bytes, document_to_strin
 use touchline_fuzz::{bounded, mutated, one_line};
 
 static DOCUMENT: LazyLock<Document> = LazyLock::new(|| {
-    document_from_bytes(include_bytes!("../../suite/samples/document-v1.json")).expect("the document is read")
+    document_from_bytes(include_bytes!("../../../src/documents/tests/samples/document-v1.json")).expect("the document is read")
 });
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {

@@ -11,7 +11,7 @@ use touchline::store::{Location, read};
 use touchline_fuzz::{Folder, bounded, mutated, one_line};
 
 /// The document that the journal is beside; its hash stands in a journal as `HASH`.
-const DOCUMENT: &str = include_str!("../../suite/samples/document-v1.json");
+const DOCUMENT: &str = include_str!("../../../src/documents/tests/samples/document-v1.json");
 
 static PLACE: LazyLock<(Folder, PathBuf, PathBuf, String)> = LazyLock::new(|| {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! The plan of the house as `src/lib.rs` draws it, and how the sources depart from it.
+//! The plan of a crate as its `lib.rs` draws it, and how the sources depart from it.
 
 use super::source_map::{Module, Names, SourceMap};
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,7 +17,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Reads the table of `src/lib.rs`: `//! | floor | rooms |`, each room in backticks outside parentheses.
+    /// Reads the table of a `lib.rs`: `//! | floor | rooms |`, each room in backticks outside parentheses.
     pub fn read(lib: &str) -> Self {
         let mut floors = BTreeMap::new();
         for line in lib.lines() {
@@ -28,7 +28,7 @@ impl Plan {
                 assert!(before.is_none(), "the plan names the room {room} twice");
             }
         }
-        assert!(!floors.is_empty(), "src/lib.rs has no table of floors");
+        assert!(!floors.is_empty(), "there is no table of floors");
         Self { floors }
     }
 
@@ -39,9 +39,10 @@ impl Plan {
         let rooms = map.modules.iter().filter(|(path, module)| path.len() == 1 && module.file != *root);
         let built: BTreeSet<&String> = rooms.map(|(path, _)| &path[0]).collect();
         let drawn: BTreeSet<&String> = self.floors.keys().collect();
-        let missing = drawn.difference(&built).map(|room| format!("src/lib.rs names the room `{room}`: there is none"));
+        let missing =
+            drawn.difference(&built).map(|room| format!("{} names the room `{room}`: there is none", root.display()));
         let unknown =
-            built.difference(&drawn).map(|room| format!("src/{room} is a room that src/lib.rs does not name"));
+            built.difference(&drawn).map(|room| format!("{} does not name the room `{room}`", root.display()));
         missing.chain(unknown).collect()
     }
 
@@ -66,18 +67,19 @@ impl Plan {
                 }
             }
         }
-        let unneeded = pairs.iter().filter(|pair| !needed.contains(pair));
+        let here = |(user, used, _): &&Pair| self.floors.contains_key(*user) && self.floors.contains_key(*used);
+        let unneeded = pairs.iter().filter(here).filter(|pair| !needed.contains(pair));
         broken.extend(unneeded.map(|(user, used, _)| format!("{user} uses {used}: stated, but nothing does")));
         broken
     }
 }
 
 /// What is named outside its fence, with file and line; and places within a fence that do not name it.
-pub fn broken_fences(map: &SourceMap, fences: &[Fence]) -> Vec<String> {
+pub fn broken_fences(maps: &[SourceMap], fences: &[Fence]) -> Vec<String> {
     let mut broken = Vec::new();
     for (fenced, places, why) in fences {
         let mut unused: BTreeSet<&&str> = places.iter().collect();
-        for module in map.modules.values() {
+        for module in maps.iter().flat_map(|map| map.modules.values()) {
             let file = module.file.to_string_lossy().replace('\\', "/");
             let within = |place: &str| {
                 let rest = file.strip_prefix("src/").and_then(|file| file.strip_prefix(place));

@@ -2,13 +2,13 @@
 
 use super::frames::frames;
 use super::parts::{cameras_of, left_out, line, notes};
-use crate::app::Action;
-use crate::app::transfer::{Look, TransferAction, describe_bytes};
-use crate::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
-use crate::geometry::counted;
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
+use touchline_application::app::Action;
+use touchline_application::app::transfer::{Look, TransferAction, describe_bytes};
+use touchline_core::geometry::counted;
+use touchline_documents::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
 
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {

@@ -3,13 +3,13 @@
 use super::frames::frames;
 use super::options::{export_options, import_options};
 use super::parts::{cameras_of, fact, left_out, line, notes};
-use crate::app::transfer::{Look, TransferAction, in_dialog};
-use crate::app::{Action, sentence};
-use crate::exchange::{About, Format, JoinedPair};
-use crate::geometry::counted;
 use crate::ui::Panel;
 use crate::ui::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
+use touchline_application::app::transfer::{Look, TransferAction, in_dialog};
+use touchline_application::app::{Action, sentence};
+use touchline_core::geometry::counted;
+use touchline_documents::exchange::{About, Format, JoinedPair};
 
 /// The width of the list of formats, points.
 const LIST: f32 = 210.0;

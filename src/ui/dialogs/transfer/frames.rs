@@ -1,8 +1,8 @@
 //! Which frames an export or a dataset takes.
 
-use crate::document::{CameraId, FrameStatus};
-use crate::exchange::FrameChoice;
 use egui::{ComboBox, DragValue, Ui};
+use touchline_documents::document::{CameraId, FrameStatus};
+use touchline_documents::exchange::FrameChoice;
 
 /// The confidence that is asked for first, per cent.
 const USUAL_PERCENT: f64 = 90.0;

@@ -8,11 +8,11 @@ mod parts;
 mod typed;
 
 use super::{has_just_opened, sheet};
-use crate::app::transfer::{TransferAction, TransferTab, UnderWay};
-use crate::app::{Action, Command};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2};
+use touchline_application::app::transfer::{TransferAction, TransferTab, UnderWay};
+use touchline_application::app::{Action, Command};
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(820.0, 560.0);

@@ -1,11 +1,11 @@
 //! What a format may be told: only what it knows is asked.
 
 use super::typed::Typed;
-use crate::exchange::{
+use egui::{ComboBox, DragValue, Ui};
+use touchline_core::geometry::ImageSize;
+use touchline_documents::exchange::{
     ExportOptions, Format, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource, Rate, Recording, Timecode, Zoom,
 };
-use crate::geometry::ImageSize;
-use egui::{ComboBox, DragValue, Ui};
 
 /// The options of an export that its format knows.
 pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) {

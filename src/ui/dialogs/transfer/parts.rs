@@ -1,10 +1,10 @@
 //! What the pages of the dialog share.
 
-use crate::app::App;
-use crate::app::transfer::{Look, Transfer, in_dialog};
-use crate::document::CameraId;
 use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
+use touchline_application::app::App;
+use touchline_application::app::transfer::{Look, Transfer, in_dialog};
+use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to take over.
 pub fn is_ready(transfer: &Transfer) -> bool {

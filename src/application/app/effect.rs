@@ -1,0 +1,129 @@
+//! Effects, which the outside carries out.
+
+use super::bulk::BulkOrder;
+use super::operation::Job;
+use super::paint_orders::{PointSnapOrder, SnapOrder};
+use super::session::Question;
+use super::transfer::TransferOrder;
+use super::{BurntInSearch, ShotSearch, TrainerOrder};
+use std::path::PathBuf;
+use touchline_documents::document::{CameraId, Document, Edit, History};
+
+/// What the outside has to do; the shell passes it to `jobs` or to the window system.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Read a document, folder or video and report `Action::Opened`.
+    Open(PathBuf),
+    /// Read a field template of the user's own and report `Action::TemplateRead`.
+    ReadTemplate {
+        /// The document's file.
+        of: PathBuf,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Its path as the document writes it.
+        name: String,
+    },
+    /// Append an edit to the journal.
+    Journal {
+        /// What changed.
+        edit: Edit,
+        /// The document's revision with it.
+        revision: u64,
+    },
+    /// Give the saver the whole document in place of what it knows.
+    JournalWhole {
+        /// The document.
+        document: Box<Document>,
+        /// What can be undone and redone in it.
+        history: Box<History<Document>>,
+        /// Its revision.
+        revision: u64,
+    },
+    /// Write the document: the saver has every edit already.
+    Save {
+        /// Counts these, so that the answer is known from an earlier write.
+        request: u64,
+    },
+    /// Write the document although another program changed the file; that version is set aside.
+    SaveOver,
+    /// Report what another program made of the document: `Action::Outside`.
+    ReadOutside,
+    /// Let go of the document, and open it as it is on disk.
+    Reopen(PathBuf),
+    /// Read edits that were set aside and report `Action::OrphanRead`.
+    ReadOrphan {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Write them as a document and report `Action::OrphanSaved`.
+    SaveOrphan {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Give their file another name and report `Action::OrphanPutAway`.
+    PutOrphanAway {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Write a copy of the project into a folder.
+    SaveCopy {
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        from: PathBuf,
+        /// Where.
+        folder: PathBuf,
+    },
+    /// Export, write or import something, report `TransferAction::Progress` on the way and what came of it in the end.
+    Transfer(Box<TransferOrder>),
+    /// Nobody waits any more for an export or import.
+    CancelTransfer,
+    /// Give up what is being opened.
+    CancelOpening,
+    /// Open a fresh copy of the demo match.
+    OpenDemo,
+    /// Estimate the base of a camera and report `Action::BaseEstimated`.
+    EstimateBase {
+        /// The field's size is fitted as well.
+        with_size: bool,
+        /// The painted lines of the pictures take part.
+        with_paint: bool,
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Which camera.
+        camera: CameraId,
+    },
+    /// Give up what is being estimated.
+    CancelEstimate,
+    /// Run an operation and pass on what it reports as `Action::Report`.
+    Start(Job),
+    /// Work a change out, report `Action::BulkProgress` on the way and `Action::BulkSolved` in the end.
+    SolveBulk(Box<BulkOrder>),
+    /// Give up the change that is being worked out.
+    CancelBulk,
+    /// Pull a frame's camera onto the painted lines, or search it by them; report `Action::SnapProgress` on the way and
+    /// `Action::Snapped` in the end.
+    Snap(Box<SnapOrder>),
+    /// Nobody waits any more for a snap or a search.
+    CancelSnap,
+    /// Look where the landmarks of clicks are painted and report `Action::PointsSnapped`.
+    SnapPoints(Box<PointSnapOrder>),
+    /// Look for the cuts of a video and report `VideoAction::ShotsFound`.
+    FindShots(Box<ShotSearch>),
+    /// Give up that search.
+    CancelShots,
+    /// Look for burned-in graphics and report `Action::BurntIn`.
+    FindBurntIn(Box<BurntInSearch>),
+    /// Tell the background trainer something.
+    Trainer(TrainerOrder),
+    /// Read the first camera with a base from a document and report `Action::CameraLoaded`.
+    LoadCamera(PathBuf),
+    /// Ask for a path.
+    Ask(Question),
+    /// Write the settings.
+    SaveSettings,
+    /// Everything is on disk: close the window.
+    Close,
+}

@@ -1,0 +1,127 @@
+//! The whole application without a window.
+//!
+//! The window (and every test) passes [`Action`]s to [`App::update`], the only place that changes state; it returns
+//! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions. [`Current`] is what follows for
+//! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as plain data.
+
+mod action;
+mod action_kind;
+pub mod base;
+mod bulk;
+mod burnt_in;
+pub mod camera_text;
+mod choices;
+mod command;
+mod command_kind;
+mod current;
+mod derived;
+mod dialog;
+mod effect;
+mod filter;
+pub mod guidance;
+pub mod guide;
+mod keymap;
+mod menu_group;
+mod mode;
+pub mod naming;
+mod notice;
+mod open_project;
+mod opened;
+pub mod operation;
+pub mod operations;
+mod paint_orders;
+pub mod place;
+pub mod playing;
+mod point_snaps;
+mod prepared;
+mod progress;
+pub mod quality;
+pub mod reclick;
+pub mod review;
+mod review_choice;
+pub mod selection;
+mod sentence;
+pub mod session;
+pub mod settings;
+mod shot_search;
+mod shown;
+pub mod synonyms;
+pub mod tour;
+mod trainer;
+pub mod transfer;
+mod update;
+mod versioned;
+pub mod video;
+pub mod where_to_label;
+
+pub use action::Action;
+pub use action_kind::ActionKind;
+pub use bulk::{BulkFailure, BulkOrder, BulkWork};
+pub use burnt_in::BurntInSearch;
+pub use choices::{CameraChoice, MaskList, MaskScope};
+pub use command::Command;
+pub use command_kind::CommandKind;
+pub use current::Current;
+pub use derived::{FrameCounts, GoldWork};
+pub use effect::Effect;
+pub use keymap::{Chord, ChordError, Keymap};
+pub use menu_group::MenuGroup;
+pub use open_project::OpenProject;
+pub use opened::{Opened, OutsideChoice};
+pub use operations::PaintSays;
+pub use paint_orders::{PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
+pub use sentence::sentence;
+pub use session::Question;
+pub use settings::{Settings, WindowPlace};
+pub use shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch};
+pub use shown::Shown;
+pub use trainer::{
+    Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference, describe_left,
+};
+pub use update::MAX_SCALE;
+pub use versioned::Versioned;
+pub use video::VideoAction;
+
+use current::FreshSolve;
+use operation::{Report, RequestId};
+use operations::Operations;
+use point_snaps::PointSnaps;
+use quality::Quality;
+use review::{AcceptSheet, Review};
+use session::Session;
+use std::sync::Arc;
+use touchline_documents::document::Frames;
+
+/// The whole application without a window.
+#[derive(Debug, Default)]
+pub struct App {
+    /// What belongs to the user.
+    pub settings: Settings,
+    /// What the window shows and what has been begun.
+    pub session: Session,
+    /// What runs in the background on the open document, and what came of it.
+    pub operations: Operations,
+    open: Option<OpenProject>,
+    current: Current,
+    fresh: Option<FreshSolve>,
+    review: Review,
+    /// While suggestions are about to be accepted together.
+    accept_sheet: Option<Arc<AcceptSheet>>,
+    /// The frames as they were when it was opened.
+    asked_to_accept: Option<Frames>,
+    quality: Quality,
+    /// Tells the time of what people do; none: it is not written down.
+    clock: Option<fn() -> jiff::Timestamp>,
+    point_snaps: PointSnaps,
+    /// How many changes have been worked out in the background.
+    bulk_tickets: u64,
+    /// A tour begins once the demo is open.
+    tour_waits: bool,
+    /// How many searches for cuts there were.
+    shot_tickets: u64,
+    /// The last request of an operation.
+    last_request: RequestId,
+    /// Results that wait for the end of what the user is doing.
+    waiting_reports: Vec<Report>,
+    effects: Vec<Effect>,
+}

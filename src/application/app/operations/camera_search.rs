@@ -1,0 +1,409 @@
+//! Finding a camera by the pictures of its frames alone, without a click.
+
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::session::{Level, SidePanel};
+use crate::app::{App, Command};
+use std::path::PathBuf;
+use std::sync::Arc;
+use touchline_calibration::calibrate::{
+    Abstention, BulkChange, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
+    UnclickedProgress, camera_from_few_clicks, camera_without_clicks, describe_size,
+};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::field::LandmarkId;
+use touchline_core::geometry::ImagePoint;
+use touchline_core::solve::base::FittedSize;
+use touchline_documents::document::{CameraId, Click, Document, FrameId, Step, Target};
+
+/// Frames that are looked at, spread over all of the camera.
+const LOOKED_AT: usize = 40;
+
+/// Fewer frames hardly show what is painted on the ground and what moves over it.
+const FEWEST: usize = 3;
+
+/// A camera is to be found from its frames' pictures alone.
+#[derive(Debug)]
+pub struct CameraSearch {
+    /// The document.
+    pub document: Document,
+    /// Where its relative paths start.
+    pub folder: PathBuf,
+    /// Which camera.
+    pub camera: CameraId,
+}
+
+/// The search of the open document, and what the last one left.
+#[derive(Debug, Default)]
+pub struct CameraSearchState {
+    slot: Slot<CameraSearch>,
+    /// What the last search left to decide or to say.
+    pub left: Left,
+    /// The camera that was found last, for its map.
+    pub found: Option<Arc<FoundCamera>>,
+}
+
+/// What a search left to decide or to say.
+#[derive(Debug, Default)]
+pub enum Left {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Two places explain the paint: a person decides.
+    Two(Box<TwoCameras>),
+    /// No answer was certain.
+    Abstained {
+        /// Of which camera.
+        camera: CameraId,
+        /// Why, and what helps.
+        why: String,
+    },
+}
+
+/// Two cameras that explain the paint alike.
+#[derive(Debug)]
+pub struct TwoCameras {
+    /// The one that explains more, and the other.
+    pub cameras: [Arc<FoundCamera>; 2],
+    /// The click that decides.
+    pub deciding: Option<DecidingClick>,
+}
+
+/// The click that decides between two cameras.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DecidingClick {
+    /// Its frame.
+    pub frame: FrameId,
+    /// What is to be clicked there.
+    pub landmark: LandmarkId,
+    /// Where the one camera and the other have it, px.
+    image: [ImagePoint; 2],
+    /// Both in words.
+    says: String,
+}
+
+// ---- The work ----
+
+impl Operation for CameraSearch {
+    type Progress = UnclickedProgress;
+    type Output = UnclickedAnswer;
+    type Error = UnclickedError;
+
+    const NAME: &'static str = "find the camera";
+
+    fn run(&self, context: &Context<'_, UnclickedProgress>) -> Result<UnclickedAnswer, UnclickedError> {
+        let mut reader = context.open_reader();
+        let mut picture = |index: usize| read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok();
+        let at = self.document.at(&self.folder);
+        let watch = |progress| context.report(progress);
+        // Two clicks save the search; with fewer nothing is looked at here.
+        let by_clicks = camera_from_few_clicks(at, &self.camera, LOOKED_AT, &mut picture, &watch)?;
+        if !matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
+            return Ok(by_clicks);
+        }
+        camera_without_clicks(at, &self.camera, LOOKED_AT, &mut picture, &watch)
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.camera_search.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_change()
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<UnclickedAnswer, Failure<UnclickedError>>) {
+        match result {
+            Ok(UnclickedAnswer::Found(found)) => app.camera_found(self.with_frame_ids(*found)),
+            Ok(UnclickedAnswer::Two { best, other, deciding }) => {
+                let label = |deciding: &DecidingLandmark| app.label(&Target::Landmark(deciding.landmark.clone()));
+                let two = TwoCameras::new(self, [*best, *other], deciding, label);
+                app.ask_which_camera(two);
+            }
+            Ok(UnclickedAnswer::Abstained(why)) => {
+                let why = describe_abstention(&why);
+                app.session.notify(Level::Warning, why.clone());
+                app.operations.camera_search.left = Left::Abstained { camera: self.camera.clone(), why };
+            }
+            Err(failure) => {
+                let text = format!("The search for the camera failed: {failure}.");
+                app.session.notify(failure.level(), text);
+            }
+        }
+    }
+}
+
+impl CameraSearch {
+    /// A camera that was found, with its frames by their ids: their places may change.
+    fn with_frame_ids(&self, found: UnclickedCamera) -> Arc<FoundCamera> {
+        Arc::new(FoundCamera::of(&self.document, &self.camera, found))
+    }
+}
+
+// ---- In the application ----
+
+impl App {
+    /// Why a command of the search is not available; none if it is.
+    pub(in crate::app) fn why_not_camera_search(&self, command: Command) -> Option<&'static str> {
+        let CameraSearchState { slot, left, .. } = &self.operations.camera_search;
+        match command {
+            Command::FindCamera => self.why_not_find_camera(),
+            Command::StopFindCamera if !slot.is_running() && matches!(left, Left::Nothing) => {
+                Some("No search for a camera is running.")
+            }
+            Command::TryFirstCamera | Command::TryOtherCamera if !matches!(left, Left::Two(_)) => {
+                Some("There are no two cameras to choose from.")
+            }
+            _ => None,
+        }
+    }
+
+    fn why_not_find_camera(&self) -> Option<&'static str> {
+        let (open, camera) = (self.open.as_ref()?, self.camera_id()?);
+        if open.read_only.is_some() {
+            return Some("The document is read-only.");
+        }
+        if cfg!(not(feature = "opencv")) {
+            return Some("This program was built without OpenCV and cannot find features.");
+        }
+        if self.operations.camera_search.slot.is_running() {
+            return Some("A search for the camera is running.");
+        }
+        if self.current.base.is_some() {
+            return Some("This camera has a base already.");
+        }
+        let few = open.document.frames.iter().filter(|frame| frame.camera == *camera).nth(FEWEST - 1).is_none();
+        few.then_some("The camera has too few frames: 3 or more that overlap are needed.")
+    }
+
+    /// Carries out a command of the search.
+    pub(in crate::app) fn camera_search_command(&mut self, command: Command) {
+        match command {
+            Command::FindCamera => self.find_camera(),
+            Command::StopFindCamera => self.stop_find_camera(),
+            Command::TryFirstCamera => self.try_camera(0),
+            Command::TryOtherCamera => self.try_camera(1),
+            _ => {}
+        }
+    }
+
+    fn find_camera(&mut self) {
+        self.commit_open_step();
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.operations.camera_search.left = Left::Nothing;
+        self.start(CameraSearch { document, folder, camera });
+    }
+
+    /// Stops the search, or lets go of what it left to decide; nothing has changed.
+    fn stop_find_camera(&mut self) {
+        self.operations.camera_search.left = Left::Nothing;
+        if self.operations.camera_search.slot.cancel() {
+            self.session.notify(Level::Info, "The search for the camera was stopped; nothing was changed.");
+        }
+    }
+
+    fn camera_found(&mut self, found: Arc<FoundCamera>) {
+        let has_base = self.open.as_ref().and_then(|open| open.document.camera(&found.camera)?.base()).is_some();
+        if has_base {
+            let text = "The camera was found, but it was given a base in the meantime; the result was discarded.";
+            self.session.notify(Level::Info, text);
+            return;
+        }
+        self.use_found_camera(found);
+    }
+
+    /// Asks which of two cameras is right.
+    fn ask_which_camera(&mut self, two: TwoCameras) {
+        let offers = [("Try the first", Command::TryFirstCamera), ("Try the other", Command::TryOtherCamera)];
+        self.session.notify_with(Level::Warning, two.describe(), offers);
+        self.session.panel = SidePanel::Camera;
+        let state = &mut self.operations.camera_search;
+        state.found = Some(Arc::clone(&two.cameras[0]));
+        state.left = Left::Two(Box::new(two));
+    }
+
+    /// Of two cameras takes the one for which the deciding click speaks, once that is there. Asked after each action.
+    pub(in crate::app) fn decide_camera_by_click(&mut self) {
+        if self.is_amid_change() {
+            return;
+        }
+        let (Left::Two(two), Some(open)) = (&self.operations.camera_search.left, &self.open) else { return };
+        let Some(which) = two.deciding.as_ref().and_then(|deciding| deciding.decided(&open.document)) else { return };
+        let found = Arc::clone(&two.cameras[which]);
+        self.operations.camera_search.left = Left::Nothing;
+        self.session.retract(Command::TryFirstCamera);
+        self.session.retract(Command::TryOtherCamera);
+        self.use_found_camera(found);
+    }
+
+    /// Takes over one of two cameras that explain the paint alike: one step of undo each.
+    fn try_camera(&mut self, which: usize) {
+        if let Left::Two(two) = &self.operations.camera_search.left {
+            let found = Arc::clone(&two.cameras[which]);
+            self.use_found_camera(found);
+        }
+    }
+
+    fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
+        self.operations.camera_search.found = Some(Arc::clone(&found));
+        self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Unclicked(found));
+    }
+
+    /// Tells of a camera that has been found and written into the document.
+    pub(in crate::app) fn tell_found_camera(&mut self, found: &FoundCamera) {
+        self.session.retract(Command::FindCamera);
+        self.session.retract(Command::EstimateBase);
+        self.tell_assumed_size();
+        let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
+        self.session.notify_with(Level::Info, describe_found(&found.found), offers);
+    }
+}
+
+impl CameraSearchState {
+    /// The search under way, with how far it has come.
+    #[must_use]
+    pub fn under_way(&self) -> Option<UnderWay> {
+        let progress = self.slot.running()?.progress();
+        let far = progress.map(|progress| format!(": {progress}")).unwrap_or_default();
+        let text = format!("Finding the camera{far}…");
+        let share = progress.map(|progress| progress.share_of_step() as f32);
+        Some(UnderWay { text, share, stop: Command::StopFindCamera })
+    }
+
+    /// What is being looked for.
+    #[must_use]
+    pub fn running(&self) -> Option<&CameraSearch> {
+        self.slot.running().map(Running::operation)
+    }
+}
+
+// ---- Two answers ----
+
+/// A click decides if it is at least this many times nearer to where one camera has it than to where the other has.
+const NEARER: f64 = 2.0;
+
+impl DecidingClick {
+    /// Which of the two cameras a document's click speaks for; none without the click, or where it lies between them.
+    fn decided(&self, document: &Document) -> Option<usize> {
+        let frame = &document.frames[document.frames.position_of(&self.frame)?];
+        let is_it = |click: &&Click| click.target == Some(Target::Landmark(self.landmark.clone()));
+        let click = frame.clicks.iter().find(is_it)?;
+        let [here, there] = self.image.map(|image| image.distance_px(click.image));
+        if NEARER * here < there {
+            Some(0)
+        } else if NEARER * there < here {
+            Some(1)
+        } else {
+            None
+        }
+    }
+}
+
+impl TwoCameras {
+    fn new(
+        search: &CameraSearch,
+        cameras: [UnclickedCamera; 2],
+        deciding: Option<DecidingLandmark>,
+        label: impl Fn(&DecidingLandmark) -> String,
+    ) -> Self {
+        let deciding = deciding.map(|deciding| {
+            let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            let says = format!("{} is at {here} px with the first and at {there} px with the other", label(&deciding));
+            let frame = search.document.frames[deciding.frame].id.clone();
+            DecidingClick { frame, landmark: deciding.landmark, image: deciding.image, says }
+        });
+        Self { cameras: cameras.map(|found| search.with_frame_ids(found)), deciding }
+    }
+
+    /// What the person is to decide, and by what.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let [best, other] = [0, 1].map(|which| place(&self.cameras[which].found));
+        let by = self.deciding.as_ref().map_or_else(
+            || "Try each and look at the lines.".to_owned(),
+            |deciding| format!("One click decides: {}.", deciding.says),
+        );
+        format!("Two positions of the camera explain the painted lines: {best}, and {other}. {by}")
+    }
+}
+
+// ---- Words ----
+
+/// What was found, in one sentence.
+fn describe_found(found: &UnclickedCamera) -> String {
+    let sigma = found.base.sigma.position_m;
+    let (snapped, frames) = (found.snapped_count(), found.frames.len());
+    let assumed: String = found.sizes.iter().filter(|size| size.is_open).map(describe_assumed).collect();
+    format!(
+        "Camera found: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
+         lines; look at some before you accept them.{assumed}",
+        place(found),
+        sigma.norm()
+    )
+}
+
+/// That the frames do not show one of the field's lengths, as a further sentence.
+fn describe_assumed(size: &FittedSize) -> String {
+    format!(" The field's {}.", describe_size(size))
+}
+
+/// Where a camera stands, as a person says it.
+fn place(found: &UnclickedCamera) -> String {
+    let at = found.base.position_m;
+    format!("{:.1} m high, {:.1} m from the middle of the field", at.z, at.x.hypot(at.y))
+}
+
+/// Why there is no answer and what helps, in plain words.
+fn describe_abstention(why: &Abstention) -> String {
+    format!("No camera was found: {}. {}", why_not(why), what_helps(why))
+}
+
+fn why_not(why: &Abstention) -> String {
+    match why {
+        Abstention::Uncertain { doubts, .. } => {
+            let doubts: Vec<String> = doubts.iter().map(Doubt::to_string).collect();
+            format!("the best answer is not certain ({})", doubts.join("; "))
+        }
+        Abstention::NotTied { frames, tied } => {
+            format!("only {tied} of {frames} frames overlap with each other")
+        }
+        Abstention::LittlePaint { places } => format!("only {places} places of paint agree between the frames"),
+        other => other.to_string(),
+    }
+}
+
+/// Which view is missing, and the way that leads out.
+fn what_helps(why: &Abstention) -> String {
+    let missing = match why {
+        Abstention::NotTied { .. } => {
+            "Add frames in which the camera turns from one view to the next, all of one camera that does not move"
+                .to_owned()
+        }
+        Abstention::LittlePaint { .. } => "Add wide frames: the centre circle and both penalty areas".to_owned(),
+        Abstention::Uncertain { doubts, .. } => view_missing(doubts),
+        _ => "Check that the field's sport is the one in the pictures".to_owned(),
+    };
+    let clicks = match why {
+        Abstention::NotTied { .. } | Abstention::NotTurning(_) => "click 4 landmarks on 2 wide frames",
+        _ => "click 2 landmarks far from each other and look again",
+    };
+    format!("{missing}, or {clicks}.")
+}
+
+/// Which view would settle doubts.
+fn view_missing(doubts: &[Doubt]) -> String {
+    let lines = doubts.iter().find_map(|doubt| match doubt {
+        Doubt::LinesMissing { lines } => Some(lines.join(", ")),
+        _ => None,
+    });
+    if let Some(lines) = lines {
+        return format!("A view of {lines} is missing: add frames that show it");
+    }
+    let is_of_field = |doubt: &Doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. });
+    if doubts.iter().any(is_of_field) {
+        return "Check the field's size and sport, and whether other lines are painted there; add wide frames"
+            .to_owned();
+    }
+    "Wide views of both ends and of the middle are missing: add such frames".to_owned()
+}

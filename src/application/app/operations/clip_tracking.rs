@@ -1,0 +1,320 @@
+//! Known cameras carried through the clip of the shown frame. What is carried are suggestions and stands beside what people did, as
+//! the forest's do.
+
+use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::session::Level;
+use crate::app::{App, Command};
+use std::path::PathBuf;
+use std::sync::Arc;
+use thiserror::Error;
+use touchline_calibration::calibrate::{
+    ClipEvidence, ClipFrames, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
+    clips, length_on_lines, record_tracked, track_clip,
+};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::field::FieldModel;
+use touchline_documents::document::{Camera, Document, Frame, Step};
+use touchline_vision::media::ReadFrames;
+
+/// Cameras are to be carried through a clip.
+pub struct ClipTracking {
+    document: Document,
+    /// Where its relative paths start.
+    folder: PathBuf,
+    /// The index of a frame of the clip.
+    frame: usize,
+    /// The field that it shows.
+    field: Arc<FieldModel>,
+    /// What the pictures were found to say before; nothing the first time.
+    evidence: Arc<ClipEvidence>,
+}
+
+/// The cameras that were carried.
+pub struct CarriedClip {
+    tracked: TrackedClip,
+    /// What the pictures say, for when a frame is corrected.
+    evidence: Arc<ClipEvidence>,
+    /// Another length of the field, where the painted lines of the carried frames ask for it.
+    length: Option<LengthOnLines>,
+}
+
+/// Why no cameras were carried.
+#[derive(Debug, Error)]
+pub enum ClipTrackingError {
+    /// The frame shows nothing.
+    #[error("the frame has no picture")]
+    NoPicture,
+    /// Nothing is known of the clip, or a picture cannot be read.
+    #[error(transparent)]
+    Track(#[from] TrackClipError),
+}
+
+/// Cameras being carried, and those carried last.
+#[derive(Debug, Default)]
+pub(in crate::app) struct ClipTrackingState {
+    slot: Slot<ClipTracking>,
+    carried: Option<LastCarried>,
+}
+
+/// The last cameras that were carried.
+#[derive(Debug)]
+struct LastCarried {
+    /// What the pictures of their shot say.
+    evidence: Arc<ClipEvidence>,
+    /// Their frames as they were before.
+    before: Vec<Frame>,
+}
+
+// ---- The work ----
+
+impl Operation for ClipTracking {
+    type Progress = ClipProgress;
+    type Output = CarriedClip;
+    type Error = ClipTrackingError;
+
+    const NAME: &'static str = "carry cameras";
+
+    fn run(&self, context: &Context<'_, ClipProgress>) -> Result<CarriedClip, ClipTrackingError> {
+        let mut reader = context.open_reader();
+        let clip = self.clip().ok_or(ClipTrackingError::NoPicture)?;
+        let (at, options) = (self.document.at(&self.folder), TrackClipOptions::default());
+        let mut evidence = (*self.evidence).clone();
+        let watch = &mut |progress| context.report(progress);
+        let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, watch)?;
+        let length = if self.is_again() { None } else { self.measure_length(&tracked, &mut *reader) };
+        Ok(CarriedClip { tracked, evidence: evidence.into(), length })
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.clip_tracking.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_change()
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<CarriedClip, Failure<ClipTrackingError>>) {
+        match result {
+            Ok(carried) => app.take_carried_clip(self, carried),
+            Err(failure) => app.session.notify(failure.level(), format!("No cameras were carried: {failure}.")),
+        }
+    }
+}
+
+impl ClipTracking {
+    /// The clip that the frame belongs to.
+    fn clip(&self) -> Option<ClipFrames> {
+        let of_frame = |clip: &ClipFrames| clip.frames.iter().any(|frame| frame.place == Some(self.frame));
+        clips(self.document.at(&self.folder), None).into_iter().find(of_frame)
+    }
+
+    /// Whether the clip was tracked before, and follows a correction.
+    fn is_again(&self) -> bool {
+        *self.evidence != ClipEvidence::default()
+    }
+
+    /// The length of the field that the tracked frames ask for, if it is another than was assumed.
+    fn measure_length(&self, tracked: &TrackedClip, reader: &mut dyn ReadFrames) -> Option<LengthOnLines> {
+        let mut document = self.document.clone();
+        record_tracked(&mut document, tracked);
+        let mut picture = |frame: &Frame| read_picture(reader, frame, &self.folder).ok();
+        length_on_lines(document.at(&self.folder), &mut picture).ok()?
+    }
+
+    /// The part of a tracked clip that a document still has: frames are found again by their ids, and those that people have
+    /// changed since stay as they are.
+    fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
+        let place_now = |place: usize| {
+            let then = self.document.frames.get(place)?;
+            let place = now.frames.position_of(&then.id)?;
+            now.frames[place].is_open().then_some(place)
+        };
+        let frames = tracked.frames.iter();
+        let frames = frames.filter_map(|of| Some(TrackedFrame { place: place_now(of.place)?, ..of.clone() }));
+        TrackedClip { frames: frames.collect(), references: Vec::new(), ..tracked }
+    }
+}
+
+// ---- In the application ----
+
+impl App {
+    /// Why a command of the tracking is not available; none if it is.
+    pub(in crate::app) fn why_not_clip_tracking(&self, command: Command) -> Option<&'static str> {
+        let ClipTrackingState { slot, carried } = &self.operations.clip_tracking;
+        match command {
+            Command::Track => self.why_not_track(),
+            Command::DiscardCarried if self.is_read_only() => Some("The document is read-only."),
+            Command::DiscardCarried if carried.is_none() => Some("No cameras were carried."),
+            Command::StopTracking if !slot.is_running() => Some("No cameras are being carried."),
+            _ => None,
+        }
+    }
+
+    fn why_not_track(&self) -> Option<&'static str> {
+        let open = self.open.as_ref()?;
+        if open.read_only.is_some() {
+            return Some("The document is read-only.");
+        }
+        if cfg!(not(feature = "opencv")) {
+            return Some("This program was built without OpenCV and cannot follow points.");
+        }
+        if self.operations.clip_tracking.slot.is_running() {
+            return Some("Cameras are being carried already.");
+        }
+        let frame = self.frame()?;
+        if open.document.camera_of(frame).and_then(|camera| camera.base_for(frame)).is_none() {
+            return Some("Its camera has no base yet.");
+        }
+        let mut others = open.document.frames.iter().filter(|other| other.camera == frame.camera);
+        others.all(|other| other.ptz.is_none()).then_some("No frame has a camera to carry on: click one first.")
+    }
+
+    /// Carries out a command of the tracking.
+    pub(in crate::app) fn clip_tracking_command(&mut self, command: Command) {
+        match command {
+            Command::Track => {
+                self.commit_open_step();
+                self.track_clip_with(Arc::default());
+            }
+            Command::StopTracking if self.operations.clip_tracking.slot.cancel() => {
+                self.session.notify(Level::Info, "Carrying cameras was stopped; nothing was changed.");
+            }
+            Command::DiscardCarried => self.discard_carried(),
+            _ => {}
+        }
+    }
+
+    /// Has the shot of the shown frame, which was just accepted, follow it if cameras were carried through it before.
+    pub(in crate::app) fn carry_correction(&mut self) {
+        let carried = &self.operations.clip_tracking.carried;
+        let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), carried) else { return };
+        let shown = frame.picture_source(&open.folder).is_some_and(|source| carried.evidence.shows(&source));
+        if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
+            self.track_clip_with(Arc::clone(&carried.evidence));
+        }
+    }
+
+    fn track_clip_with(&mut self, evidence: Arc<ClipEvidence>) {
+        let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else { return };
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.start(ClipTracking { document, folder, frame: self.session.frame, field, evidence });
+    }
+
+    /// Takes over what was carried: one step of undo.
+    fn take_carried_clip(&mut self, tracking: &ClipTracking, CarriedClip { tracked, evidence, length }: CarriedClip) {
+        let Some(open) = &self.open else { return };
+        let base_now = open.document.camera(&tracking.document.frames[tracking.frame].camera).and_then(Camera::base);
+        if base_now.as_ref() != Some(&tracked.base) {
+            self.session.notify(Level::Info, "The base changed in the meantime; the carried cameras were discarded.");
+            return;
+        }
+        let taken = tracking.still_open_in(&open.document, tracked);
+        let count = taken.frames.len();
+        let is_again = tracking.is_again();
+        // What a correction replaces was carried itself: what stood before that is what can be had back.
+        let replaced = |of: &TrackedFrame| open.document.frames.get(of.place).map(|frame| Frame::clone(frame));
+        let before = match self.operations.clip_tracking.carried.take().filter(|_| is_again) {
+            Some(last) => last.before,
+            None => taken.frames.iter().filter_map(replaced).collect(),
+        };
+        self.operations.clip_tracking.carried = Some(LastCarried { evidence, before });
+        if count > 0 {
+            if !self.begin_step(Step::on_document("Carry cameras through the shot")) {
+                return;
+            }
+            if let Some(open) = &mut self.open {
+                record_tracked(&mut open.document, &taken);
+            }
+            self.commit();
+        }
+        self.session.retract(Command::DiscardCarried);
+        let offers = [("Review", Command::ReviewPanel), ("Discard", Command::DiscardCarried)];
+        if is_again {
+            self.session.notify_with(Level::Info, describe_followed(count), offers);
+            return;
+        }
+        let level = if taken.stops.is_empty() { Level::Info } else { Level::Warning };
+        self.session.notify_with(level, describe_tracked(&taken, count), offers);
+        if let Some(found) = length {
+            self.session.notify(Level::Warning, describe_length(&found));
+        }
+    }
+
+    /// Gives the frames that cameras were carried to what they showed before, where nobody has changed them since.
+    fn discard_carried(&mut self) {
+        let Some(LastCarried { before, .. }) = self.operations.clip_tracking.carried.take() else { return };
+        self.session.retract(Command::DiscardCarried);
+        if !self.begin_step(Step::on_document("Discard the carried cameras")) {
+            return;
+        }
+        let mut discarded = 0;
+        for before in before {
+            let Some(open) = &mut self.open else { break };
+            let Some(frame) = open.document.frames.by_id_mut(&before.id) else { continue };
+            if frame.is_open() && frame.is_carried() {
+                open.journalled.forget(frame);
+                (frame.status, frame.ptz, frame.solution) = (before.status, before.ptz, before.solution);
+                discarded += 1;
+            }
+        }
+        self.commit();
+        let text = match discarded {
+            1 => "1 frame was restored.".to_owned(),
+            many => format!("{many} frames were restored."),
+        };
+        self.session.notify(Level::Info, text);
+    }
+}
+
+// ---- Words ----
+
+impl ClipTrackingState {
+    /// The tracking under way, with how far it has come.
+    pub(super) fn under_way(&self) -> Option<UnderWay> {
+        let text = match self.slot.running()?.progress() {
+            None => "Carrying cameras through the shot…".to_owned(),
+            Some(ClipProgress::Following(done, of)) => format!("Following points: frame {done} of {of}…"),
+            Some(ClipProgress::Painting(done, of)) => format!("Looking at painted lines: {done} of {of} frames…"),
+            Some(ClipProgress::Adjusting) => "Adjusting all frames of the shot together…".to_owned(),
+        };
+        Some(UnderWay { text, share: None, stop: Command::StopTracking })
+    }
+}
+
+/// The length that the carried frames ask for.
+fn describe_length(LengthOnLines { size, frames, .. }: &LengthOnLines) -> String {
+    format!(
+        "The painted lines of {frames} frames ask for a field {:.2} ± {:.2} m long, not {} m. The command `touchline track` takes it where nobody has stated the length.",
+        size.value_m, size.sigma_m, size.assumed_m
+    )
+}
+
+/// What was carried after a correction.
+fn describe_followed(taken: usize) -> String {
+    match taken {
+        0 => "No other frame of the shot follows this correction.".to_owned(),
+        1 => "1 other frame of the shot follows this correction.".to_owned(),
+        many => format!("{many} other frames of the shot follow this correction."),
+    }
+}
+
+/// What was carried.
+fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
+    let got = match taken {
+        1 => "1 frame got its camera".to_owned(),
+        many => format!("{many} frames got their cameras"),
+    };
+    let painted = match tracked.painted {
+        0 => String::new(),
+        many => format!("; {many} also checked against their painted lines"),
+    };
+    let ended = if let Some(stop) = tracked.stops.first() {
+        format!(". It stopped at {}: only {} of {} points agree", stop.picture, stop.agreeing, stop.seen)
+    } else if tracked.missed.is_empty() {
+        String::new()
+    } else {
+        format!("; {} frames were not reached", tracked.missed.len())
+    };
+    format!("{got}{painted}{ended}.")
+}

@@ -1,0 +1,118 @@
+//! Another annotator's document, compared with the open one.
+
+use crate::app::App;
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::session::Level;
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::sync::Arc;
+use thiserror::Error;
+use touchline_calibration::evaluate::{Agreement, agreement};
+use touchline_core::field::FieldError;
+use touchline_documents::document::Document;
+use touchline_documents::store::{StoreError, read};
+
+/// The open document is to be compared with another one.
+#[derive(Debug)]
+pub struct Comparison {
+    /// The document.
+    pub document: Document,
+    /// The folder that its relative paths start from.
+    pub folder: PathBuf,
+    /// Its revision.
+    pub revision: u64,
+    /// The other one's file.
+    pub with: PathBuf,
+}
+
+/// What a comparison gave: derived, never stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compared {
+    /// The other document's file, as it was chosen.
+    pub file: PathBuf,
+    /// The revision of the open document that was compared.
+    pub revision: u64,
+    /// How the two agree; the open document is the first.
+    pub agreement: Agreement,
+}
+
+/// Why two documents were not compared.
+#[derive(Debug, Error)]
+pub enum ComparisonError {
+    /// The other document cannot be read.
+    #[error(transparent)]
+    Unreadable(#[from] StoreError),
+    /// The field of one of them is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+}
+
+/// The comparison of the open document.
+#[derive(Debug, Default)]
+pub struct ComparisonState {
+    slot: Slot<Comparison>,
+    made: Option<Arc<Compared>>,
+}
+
+impl ComparisonState {
+    /// Whether a comparison is under way.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        self.slot.is_running()
+    }
+
+    /// What is being compared.
+    #[must_use]
+    pub fn running(&self) -> Option<&Comparison> {
+        self.slot.running().map(Running::operation)
+    }
+
+    /// What the last comparison gave; none while another one is under way.
+    #[must_use]
+    pub const fn made(&self) -> Option<&Arc<Compared>> {
+        self.made.as_ref()
+    }
+}
+
+impl Operation for Comparison {
+    type Progress = Infallible;
+    type Output = Compared;
+    type Error = ComparisonError;
+
+    const NAME: &'static str = "compare";
+
+    fn run(&self, _: &Context<'_, Infallible>) -> Result<Compared, ComparisonError> {
+        let (location, other, _) = read(&self.with)?;
+        let agreement = agreement(self.document.at(&self.folder), other.at(location.folder()))?;
+        Ok(Compared { file: self.with.clone(), revision: self.revision, agreement })
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.comparison.slot
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<Compared, Failure<ComparisonError>>) {
+        match result {
+            Ok(compared) => app.operations.comparison.made = Some(Arc::new(compared)),
+            Err(failure) => app.session.notify(Level::Error, failure.to_string()),
+        }
+    }
+}
+
+impl App {
+    /// Why the document cannot be compared now; none if it can.
+    pub(in crate::app) fn why_not_compare(&self) -> Option<&'static str> {
+        self.operations.comparison.is_running().then_some("A comparison is under way.")
+    }
+
+    /// Compares the document as it is now with another one, on the quality page.
+    pub(in crate::app) fn compare(&mut self, with: PathBuf) {
+        if !self.session.quality.open {
+            self.toggle_quality();
+        }
+        let Some(open) = &self.open else { return };
+        let (document, folder, revision) = ((*open.document).clone(), open.folder.clone(), open.revision);
+        self.operations.comparison.made = None;
+        self.start(Comparison { document, folder, revision, with });
+    }
+}

@@ -1,0 +1,143 @@
+//! Whether the pictures are those that the document means, compared in the background when it is opened.
+//!
+//! Another file under the name of a labelled one shows another moment: its lines lie elsewhere, and a label that was good is wrong. Only
+//! what the document states can be compared: SHA-256, size, number and time in a video.
+
+use crate::app::App;
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::session::Level;
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::sync::Arc;
+use touchline_calibration::calibrate::{Fault, PictureCheck};
+use touchline_documents::document::{Document, Frame, FrameId, VideoFrame};
+
+/// The pictures of a document are to be compared with it.
+#[derive(Debug)]
+pub struct PictureComparison {
+    document: Document,
+    folder: PathBuf,
+    /// The frame that is shown: it comes first.
+    shown: usize,
+}
+
+/// What a frame states of its picture.
+#[derive(Clone, Debug, PartialEq)]
+struct Stated {
+    image: Option<String>,
+    video: Option<VideoFrame>,
+    sha256: Option<String>,
+}
+
+impl Stated {
+    fn by(frame: &Frame) -> Self {
+        Self { image: frame.image.clone(), video: frame.video.clone(), sha256: frame.sha256.clone() }
+    }
+
+    /// Whether anything can be compared.
+    fn is_comparable(frame: &Frame) -> bool {
+        frame.sha256.is_some() || frame.video.as_ref().is_some_and(|video| video.pts_s.is_some())
+    }
+}
+
+/// A frame whose picture is another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherPicture {
+    /// What the frame stated when it was compared.
+    stated: Stated,
+    /// How the picture differs.
+    says: String,
+}
+
+type OtherPictures = BTreeMap<FrameId, OtherPicture>;
+
+/// What is known of the pictures of the open document.
+#[derive(Debug, Default)]
+pub(in crate::app) struct PictureComparisonState {
+    slot: Slot<PictureComparison>,
+    found: Arc<OtherPictures>,
+}
+
+impl Operation for PictureComparison {
+    type Progress = Arc<OtherPictures>;
+    type Output = Arc<OtherPictures>;
+    type Error = Infallible;
+
+    const NAME: &'static str = "picture check";
+
+    fn run(&self, context: &Context<'_, Self::Progress>) -> Result<Self::Output, Infallible> {
+        let check = PictureCheck::open(self.document.at(&self.folder));
+        let count = self.document.frames.len();
+        let mut found = OtherPictures::new();
+        for index in (0..count).map(|step| (self.shown + step) % count) {
+            if context.check().is_break() {
+                break;
+            }
+            let Some(frame) = self.document.frames.get(index).filter(|frame| Stated::is_comparable(frame)) else {
+                continue;
+            };
+            context.give_way_to_window();
+            if let Some(fault) = check.faults(index).iter().find(|fault| is_of_another_picture(fault)) {
+                found.insert(frame.id.clone(), OtherPicture { stated: Stated::by(frame), says: fault.to_string() });
+                let _ = context.report(Arc::new(found.clone()));
+            }
+        }
+        Ok(Arc::new(found))
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.picture_comparison.slot
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<Self::Output, Failure<Infallible>>) {
+        match result {
+            Ok(found) => {
+                let first = self.document.frames.iter().find(|frame| found.contains_key(&frame.id));
+                if let Some(first) = first {
+                    let (name, text) = (first.name(), "not the pictures that were labelled");
+                    let text = match found.len() {
+                        1 => format!("The picture of {name} is not the one that was labelled."),
+                        count => format!("{count} frames show {text}, the first is {name}."),
+                    };
+                    app.session.notify(Level::Warning, text);
+                }
+                app.operations.picture_comparison.found = found;
+            }
+            Err(failure) => app.session.notify(Level::Error, failure.to_string()),
+        }
+    }
+}
+
+/// Whether a fault means that the picture is not the one of the frame. That a picture is missing the window says by itself.
+const fn is_of_another_picture(fault: &Fault) -> bool {
+    matches!(
+        fault,
+        Fault::PictureChanged { .. }
+            | Fault::PictureSize { .. }
+            | Fault::VideoTime { .. }
+            | Fault::NoSuchVideoFrame { .. }
+    )
+}
+
+impl App {
+    /// Why the picture of a frame is not the one that was labelled, where that is known.
+    #[must_use]
+    pub fn other_picture(&self, index: usize) -> Option<&str> {
+        let frame = self.open.as_ref()?.frame(index)?;
+        let state = &self.operations.picture_comparison;
+        let found = state.slot.running().and_then(Running::progress).unwrap_or(&state.found);
+        let other = found.get(&frame.id)?;
+        (other.stated == Stated::by(frame)).then_some(other.says.as_str())
+    }
+
+    /// Compares the pictures with the document that was opened.
+    pub(in crate::app) fn compare_pictures(&mut self) {
+        let Some(open) = &self.open else { return };
+        if !open.document.frames.iter().any(|frame| Stated::is_comparable(frame)) {
+            return;
+        }
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.start(PictureComparison { document, folder, shown: self.session.frame });
+    }
+}

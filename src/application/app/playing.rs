@@ -1,0 +1,106 @@
+//! Playing a video: which frame is due when.
+
+use super::OpenProject;
+
+/// The speeds that are offered, as multiples of the video's own.
+pub const SPEEDS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// The spacing of frames whose times nobody knows, s.
+const UNKNOWN_SPACING_S: f64 = 0.04;
+
+/// A clock that was started with a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlayClock {
+    /// When it was started, s of any clock.
+    started_s: f64,
+    /// The frame that was shown then.
+    from: usize,
+    speed: f64,
+    /// The frame that it showed last.
+    shown: usize,
+}
+
+impl PlayClock {
+    /// Starts with a frame that is shown now.
+    #[must_use]
+    pub const fn start(now_s: f64, frame: usize, speed: f64) -> Self {
+        Self { started_s: now_s, from: frame, speed, shown: frame }
+    }
+
+    /// Whether it still speaks of the frame that is shown at this speed: somebody may have gone elsewhere.
+    #[must_use]
+    pub fn follows(&self, frame: usize, speed: f64) -> bool {
+        self.shown == frame && self.speed == speed
+    }
+
+    /// The frame to show now, at most the last of those after the shown one that `is_there` says are decoded without a gap. Where
+    /// decoding falls behind, the clock waits: no frame is jumped to that cannot be shown.
+    pub fn frame_at(&mut self, now_s: f64, open: &OpenProject, is_there: impl Fn(usize) -> bool) -> usize {
+        let elapsed_s = (now_s - self.started_s) * self.speed;
+        let last = open.document.frames.len().saturating_sub(1);
+        let mut due = self.shown;
+        while due < last && time_s(open, due + 1) - time_s(open, self.from) <= elapsed_s {
+            if !is_there(due + 1) {
+                *self = Self::start(now_s, due, self.speed);
+                break;
+            }
+            due += 1;
+        }
+        self.shown = due;
+        due
+    }
+
+    /// How long until the next frame is due, s.
+    #[must_use]
+    pub fn until_next_s(&self, now_s: f64, open: &OpenProject) -> f64 {
+        let due_s = (time_s(open, self.shown + 1) - time_s(open, self.from)) / self.speed;
+        (self.started_s + due_s - now_s).max(0.0)
+    }
+}
+
+/// When a frame is shown, s from the start of its video. Another video goes on where the one before ends.
+fn time_s(open: &OpenProject, frame: usize) -> f64 {
+    let known = open.frame(frame).and_then(|frame| frame.video.as_ref()?.pts_s);
+    known.unwrap_or(frame as f64 * UNKNOWN_SPACING_S)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, FieldSpec, Frame, VideoFrame};
+
+    fn open() -> OpenProject {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        // 25 frames a second, with a gap of a second after frame 4.
+        for index in 0..10_u64 {
+            let time = index as f64 / 25.0 + if index > 4 { 1.0 } else { 0.0 };
+            let video = VideoFrame::new("match.mp4", index, Some(time));
+            document.frames.push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
+        }
+        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
+    }
+
+    #[test]
+    fn frames_come_at_the_rate_of_the_video() {
+        let open = open();
+        let mut clock = PlayClock::start(100.0, 1, 1.0);
+        assert_eq!(clock.frame_at(100.03, &open, |_| true), 1);
+        assert!((clock.until_next_s(100.03, &open) - 0.01).abs() < 1e-9);
+        assert_eq!(clock.frame_at(100.09, &open, |_| true), 3);
+        assert_eq!(clock.frame_at(100.9, &open, |_| true), 4, "the next one is a second away");
+        assert_eq!(clock.frame_at(200.0, &open, |_| true), 9, "the end");
+        let mut slow = PlayClock::start(0.0, 0, 0.5);
+        assert_eq!(slow.frame_at(0.13, &open, |_| true), 1);
+    }
+
+    #[test]
+    fn the_clock_waits_for_what_is_not_decoded() {
+        let open = open();
+        let mut clock = PlayClock::start(0.0, 0, 1.0);
+        assert_eq!(clock.frame_at(0.121, &open, |frame| frame < 2), 1);
+        assert!(clock.follows(1, 1.0) && !clock.follows(2, 1.0) && !clock.follows(1, 2.0));
+        assert_eq!(clock.frame_at(0.13, &open, |_| true), 1, "it was started again at 0.121 s");
+        assert_eq!(clock.frame_at(0.17, &open, |_| true), 2);
+    }
+}

@@ -1,0 +1,65 @@
+//! A document made ready where it is opened, so that taking it in does not keep the window waiting.
+
+use super::Versioned;
+use super::derived::Derived;
+use touchline_calibration::proposals::Layered;
+use touchline_documents::document::Document;
+
+/// A document split into what people did and what is suggested, and what the window derives from all frames of it: with 100,000
+/// frames that takes a good part of a second.
+#[derive(Clone, Debug)]
+pub(super) struct Prepared {
+    pub(super) layers: Layered,
+    /// What follows from the document's first version.
+    pub(super) derived: Derived,
+}
+
+impl Prepared {
+    pub(super) fn of(document: Document) -> Self {
+        let mut derived = Derived::default();
+        let document = Versioned::new(document);
+        derived.counts(&document);
+        derived.lookup(&document);
+        Self { layers: Layered::of(document.clone()), derived }
+    }
+
+    /// The document as a reader sees it.
+    pub(super) const fn document(&self) -> &Document {
+        self.layers.shown()
+    }
+}
+
+/// All of it follows from the document.
+impl PartialEq for Prepared {
+    fn eq(&self, other: &Self) -> bool {
+        self.document() == other.document()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::OpenProject;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, Frame, FramePtz, FrameStatus};
+
+    #[test]
+    fn what_was_prepared_holds_for_the_open_document() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for name in ["a.jpg", "b.jpg"] {
+            let mut frame = Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
+            (frame.status, frame.ptz) =
+                (FrameStatus::Suggested, Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None)));
+            document.frames.push(frame.into());
+        }
+        let prepared = Prepared::of(document.clone());
+        let mut open = OpenProject::of(prepared, "/match/project.json".into(), "/match".into(), None);
+        assert_eq!(*open.document, document);
+        assert_eq!(open.counts().of_status(FrameStatus::Suggested), 2, "counted before anybody asks");
+        let editions = |open: &mut OpenProject| open.derived.counts(&open.document).suggestions_edition();
+        let before = editions(&mut open);
+        open.document.frames[0].status = FrameStatus::Reference;
+        assert!(editions(&mut open) > before, "and counted again once the document has changed");
+    }
+}

@@ -1,0 +1,321 @@
+//! Pan, tilt and focal length of a camera's frames over time.
+
+use crate::app::choices::TimeAxis;
+use crate::app::review::disagrees;
+use touchline_calibration::calibrate::Disagreements;
+use touchline_core::geometry::AngleRange;
+use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};
+
+/// A part of the time is shown with at least this share of the whole.
+const SMALLEST_SHARE: f64 = 1e-5;
+
+/// What is shown over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Degrees, positive to the right.
+    Pan,
+    /// Degrees, positive upwards.
+    Tilt,
+    /// px of the frame.
+    Focal,
+}
+
+impl Quantity {
+    /// All of them, from the top.
+    pub const ALL: [Self; 3] = [Self::Pan, Self::Tilt, Self::Focal];
+
+    /// What a person calls it, with the unit.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Pan => "Pan, degrees",
+            Self::Tilt => "Tilt, degrees",
+            Self::Focal => "Focal length, px",
+        }
+    }
+}
+
+/// How a frame got its camera, as far as the curve tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PointKind {
+    /// Begun, or solved and not looked at.
+    Draft,
+    /// Proposed, not looked at.
+    Suggested,
+    /// Accepted.
+    Reference,
+}
+
+impl PointKind {
+    /// All of them, those drawn first come first.
+    pub const ALL: [Self; 3] = [Self::Draft, Self::Suggested, Self::Reference];
+
+    /// The status that looks like it.
+    #[must_use]
+    pub const fn status(self) -> FrameStatus {
+        match self {
+            Self::Draft => FrameStatus::Draft,
+            Self::Suggested => FrameStatus::Suggested,
+            Self::Reference => FrameStatus::Reference,
+        }
+    }
+
+    /// None for a frame that is rejected.
+    fn of(frame: &Frame) -> Option<Self> {
+        match frame.status {
+            FrameStatus::New | FrameStatus::Draft => Some(Self::Draft),
+            FrameStatus::Suggested => Some(Self::Suggested),
+            FrameStatus::Reference => Some(Self::Reference),
+            FrameStatus::Rejected => None,
+        }
+    }
+}
+
+/// A frame that has a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoursePoint {
+    /// Its place in the document.
+    pub frame: usize,
+    /// When: in the units of the axis.
+    pub at: f64,
+    /// Pan and tilt in degrees, focal length in px of the frame. The pans of a course have no jump at ±180°: see
+    /// [`AngleRange::unwrapped`].
+    pub values: [f64; 3],
+    /// How it got them.
+    pub kind: PointKind,
+    /// Counts the shots along the axis; points of one number are joined.
+    pub shot: usize,
+    /// How far it lies off its neighbours' way, px at 1920 px width; none without two neighbours.
+    pub apart_px: Option<f64>,
+    /// It disagrees with its neighbours.
+    pub stands_out: bool,
+}
+
+impl CoursePoint {
+    /// One of its values.
+    #[must_use]
+    pub const fn value(&self, quantity: Quantity) -> f64 {
+        self.values[quantity as usize]
+    }
+}
+
+/// Pan, tilt and focal length of a camera's frames over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Course {
+    /// What time is counted in: video time only where every frame has it.
+    pub axis: TimeAxis,
+    /// Every frame of the camera comes from one video and knows when.
+    pub has_video_time: bool,
+    /// Where the camera's frames begin and end; none without frames.
+    pub whole: Option<[f64; 2]>,
+    /// The frames with a camera, ascending in time; rejected ones are left out.
+    pub points: Vec<CoursePoint>,
+    /// Where a shot ends and the next one begins.
+    pub cuts: Vec<f64>,
+    /// The points that disagree with their neighbours, by their places among the points, the farthest off first.
+    pub standing_out: Vec<usize>,
+}
+
+impl Course {
+    /// The course of a camera; `found` is how the document's frames lie to their neighbours.
+    #[must_use]
+    pub fn of(document: &Document, found: &Disagreements, camera: &CameraId, axis: TimeAxis) -> Self {
+        let frames: Vec<(usize, &Frame)> = document
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| frame.camera == *camera)
+            .map(|(index, frame)| (index, &**frame))
+            .collect();
+        let has_video_time = has_video_time(&frames);
+        let axis = if has_video_time { axis } else { TimeAxis::Frame };
+        let at = |index: usize, frame: &Frame| match axis {
+            TimeAxis::Frame => index as f64,
+            TimeAxis::Video => frame.video.as_ref().and_then(|video| video.pts_s).unwrap_or(0.0),
+        };
+        let mut timed: Vec<(f64, usize, &Frame)> =
+            frames.into_iter().map(|(index, frame)| (at(index, frame), index, frame)).collect();
+        timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let pans = timed.iter().filter_map(|(_, _, frame)| Some(frame.ptz.as_ref()?.ptz().pan));
+        let seen = AngleRange::smallest(pans).unwrap_or(AngleRange::FULL);
+        let mut course = Self {
+            axis,
+            has_video_time,
+            whole: whole(&timed),
+            points: Vec::new(),
+            cuts: Vec::new(),
+            standing_out: Vec::new(),
+        };
+        let mut before: Option<(f64, Option<&Clip>)> = None;
+        for (at, index, frame) in timed {
+            if let Some((then, clip)) = before
+                && clip != frame.clip.as_ref()
+            {
+                course.cuts.push(f64::midpoint(then, at));
+            }
+            before = Some((at, frame.clip.as_ref()));
+            let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::of(frame)) else { continue };
+            let disagreement = found.of_frame(index);
+            course.points.push(CoursePoint {
+                frame: index,
+                at,
+                values: [seen.unwrapped(ptz.ptz().pan).degrees(), ptz.tilt_deg, ptz.focal_px],
+                kind,
+                shot: course.cuts.len(),
+                apart_px: disagreement.map(|found| found.apart_px),
+                stands_out: disagreement.as_ref().is_some_and(disagrees),
+            });
+        }
+        course.standing_out = (0..course.points.len()).filter(|&point| course.points[point].stands_out).collect();
+        let apart_px = |point: &usize| course.points[*point].apart_px.unwrap_or(0.0);
+        course.standing_out.sort_by(|a, b| apart_px(b).total_cmp(&apart_px(a)));
+        course
+    }
+
+    /// How many points are of a kind.
+    #[must_use]
+    pub fn count(&self, kind: PointKind) -> usize {
+        self.points.iter().filter(|point| point.kind == kind).count()
+    }
+
+    /// The points within a span of time, both ends included.
+    #[must_use]
+    pub fn within(&self, span: [f64; 2]) -> &[CoursePoint] {
+        let from = self.points.partition_point(|point| point.at < span[0]);
+        let upto = self.points.partition_point(|point| point.at <= span[1]);
+        &self.points[from.min(upto)..upto]
+    }
+
+    /// When a frame of the document is, if it has a point.
+    #[must_use]
+    pub fn at_of(&self, frame: usize) -> Option<f64> {
+        match self.axis {
+            TimeAxis::Frame => Some(frame as f64),
+            TimeAxis::Video => self.points.iter().find(|point| point.frame == frame).map(|point| point.at),
+        }
+    }
+}
+
+fn has_video_time(frames: &[(usize, &Frame)]) -> bool {
+    let mut videos = frames.iter().map(|(_, frame)| frame.video.as_ref());
+    let Some(Some(first)) = videos.next() else { return false };
+    first.pts_s.is_some()
+        && videos.all(|video| video.is_some_and(|video| video.pts_s.is_some() && video.path == first.path))
+}
+
+/// From the first to the last; a single moment gets some room.
+fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
+    let (from, upto) = (timed.first()?.0, timed.last()?.0);
+    Some(if from < upto { [from, upto] } else { [from - 0.5, upto + 0.5] })
+}
+
+/// A span of time enlarged by a factor around a moment that stays where it is; none where it becomes the whole.
+#[must_use]
+pub fn zoomed(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
+    let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
+    let length = ((span[1] - span[0]) / factor).max(smallest);
+    let share = ((around - span[0]) / (span[1] - span[0])).clamp(0.0, 1.0);
+    let from = around.clamp(span[0], span[1]) - share * length;
+    within_whole([from, from + length], whole)
+}
+
+/// A span of time moved so that it lies within the whole; none where it is the whole.
+#[must_use]
+pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
+    let length = span[1] - span[0];
+    if !(length < whole[1] - whole[0]) {
+        return None;
+    }
+    let from = span[0].clamp(whole[0], whole[1] - length);
+    Some([from, from + length])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, FieldSpec, FramePtz, VideoFrame};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// A slow pan of one camera through two shots of six frames.
+    fn document() -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        for index in 0..12_u32 {
+            let video = VideoFrame::new("m.mp4", u64::from(index), Some(0.04 * f64::from(index)));
+            let mut frame = Frame::from_video(video, "main".into(), SIZE);
+            frame.clip = Some(Clip::Number(i64::from(index / 6)));
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.1 * f64::from(index), -10.0, 2000.0), None));
+            frame.status = FrameStatus::Suggested;
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn course(document: &Document, axis: TimeAxis) -> Course {
+        Course::of(document, &Disagreements::of(document), &"main".into(), axis)
+    }
+
+    #[test]
+    fn a_frame_off_its_neighbours_way_stands_out_and_its_neighbours_do_not() {
+        let mut document = document();
+        assert!(course(&document, TimeAxis::Frame).standing_out.is_empty());
+        for (frame, tilt_deg) in [(2, -11.5), (9, -14.0)] {
+            document.frames[frame].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, tilt_deg, 2000.0), None));
+        }
+        let found = course(&document, TimeAxis::Frame);
+        assert_eq!(found.standing_out, [9, 2], "the farthest off first");
+        assert!(found.points[9].apart_px > found.points[2].apart_px);
+        assert!((found.points[9].value(Quantity::Tilt) + 14.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn shots_are_parted_and_what_has_no_camera_or_is_rejected_is_left_out() {
+        let mut document = document();
+        document.frames[0].ptz = None;
+        document.frames[1].status = FrameStatus::Rejected;
+        document.frames[7].status = FrameStatus::Reference;
+        let found = course(&document, TimeAxis::Frame);
+        assert_eq!(found.cuts, [5.5]);
+        let shots: Vec<usize> = found.points.iter().map(|point| point.shot).collect();
+        assert_eq!(shots, [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
+        assert_eq!((found.count(PointKind::Reference), found.count(PointKind::Suggested)), (1, 9));
+        assert_eq!(found.whole, Some([0.0, 11.0]), "frames without a camera have their place in time, too");
+        assert_eq!(found.within([3.0, 5.0]).len(), 3);
+        assert_eq!(found.within([5.2, 5.1]).len(), 0);
+    }
+
+    #[test]
+    fn time_is_the_videos_only_where_every_frame_knows_it() {
+        let mut document = document();
+        let video = course(&document, TimeAxis::Video);
+        assert_eq!((video.axis, video.has_video_time), (TimeAxis::Video, true));
+        assert!((video.points[11].at - 0.44).abs() < 1e-12 && video.at_of(11) == Some(video.points[11].at));
+        document.frames[4].video = Some(VideoFrame::new("m.mp4", 4, None));
+        let numbers = course(&document, TimeAxis::Video);
+        assert_eq!((numbers.axis, numbers.has_video_time), (TimeAxis::Frame, false));
+        assert_eq!(numbers.points[11].at, 11.0);
+        assert_eq!(
+            Course::of(&document, &Disagreements::of(&document), &"other".into(), TimeAxis::Frame),
+            Course::default()
+        );
+    }
+
+    #[test]
+    fn a_span_is_enlarged_around_the_pointer_and_stays_within_the_whole() {
+        let whole = [0.0, 100.0];
+        assert_eq!(zoomed(whole, whole, 20.0, 2.0), Some([10.0, 60.0]));
+        assert_eq!(zoomed([10.0, 60.0], whole, 20.0, 0.5), None, "back to the whole");
+        assert_eq!(zoomed([80.0, 100.0], whole, 100.0, 0.5), Some([60.0, 100.0]));
+        let [from, upto] = zoomed([50.0, 50.01], whole, 50.0, 1e9).unwrap();
+        assert!(upto - from >= 1e-3 - 1e-12, "not for ever");
+        assert_eq!(within_whole([-5.0, 5.0], whole), Some([0.0, 10.0]));
+        assert_eq!(within_whole([95.0, 105.0], whole), Some([90.0, 100.0]));
+        assert_eq!(within_whole([-5.0, 105.0], whole), None);
+    }
+}

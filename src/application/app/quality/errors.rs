@@ -1,0 +1,293 @@
+//! How far clicks lie from what they name, as the frames' cameras show it.
+
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use touchline_calibration::calibrate::observations;
+use touchline_core::field::FieldModel;
+use touchline_core::score::{median_normal_size, median_rayleigh, quantile, rayleigh_share};
+use touchline_core::solve::Observation;
+use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameStatus, Shared, Target};
+
+/// The approximate number of bins of a histogram.
+const BINS: usize = 24;
+/// Its scale reaches a little farther than nearly all errors.
+const NEARLY_ALL: f64 = 0.95;
+const FARTHER: f64 = 1.2;
+/// Nearly all correct clicks stay below this multiple of their median.
+const NEARLY_ALL_OF_RIGHT: f64 = 2.0;
+/// Unknowns of a frame: pan, tilt, focal length.
+const UNKNOWNS: usize = 3;
+
+/// A named click and how far it lies from what it names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClickError {
+    /// The frame's place in the document.
+    pub frame: usize,
+    /// Which of its clicks.
+    pub click: usize,
+    /// What it names.
+    pub target: Target,
+    /// It was held out of the solve.
+    pub check: bool,
+    /// How far off it is, px at 1920 px width; infinite where the camera does not show what it names.
+    pub error_px: f64,
+    /// What half of such clicks stay below where all names are right: from the click noise of the landmark or line, and less
+    /// for clicks that the camera was fitted to.
+    pub expected_px: f64,
+}
+
+/// The named clicks of a camera's frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClickErrors {
+    /// Those whose error says something, in the document's order.
+    pub clicks: Vec<ClickError>,
+    /// Frames whose clicks leave nothing to compare: as many equations as unknowns.
+    pub without_evidence: usize,
+    /// The errors of the clicks that took part in solves; none without any.
+    pub used: Option<Spread>,
+    /// The errors of those that were held out, in bins of the same width.
+    pub held_out: Option<Spread>,
+}
+
+/// Many errors in a few numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spread {
+    /// How many.
+    pub count: usize,
+    /// Half of them stay below, px at 1920 px width.
+    pub median_px: f64,
+    /// Nine of ten stay below.
+    pub most_px: f64,
+    /// How many are of which size.
+    pub histogram: Histogram,
+}
+
+impl ClickErrors {
+    /// The clicks of a camera's solved frames that are not rejected.
+    #[must_use]
+    pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
+        let of_frame = |(index, frame): (usize, &Shared<Frame>)| {
+            let counts = frame.camera == *camera && frame.status != FrameStatus::Rejected && !frame.clicks.is_empty();
+            counts.then(|| OfFrame::of(document, index, frame, fields.of_frame(document, frame))).flatten()
+        };
+        let of_frames: Vec<OfFrame> = document.frames.par_iter().enumerate().filter_map(of_frame).collect();
+        let without_evidence = of_frames.iter().filter(|of| !of.is_evident).count();
+        let clicks = of_frames.into_iter().flat_map(|of| of.clicks).collect();
+        let mut found = Self { clicks, without_evidence, ..Self::default() };
+        let step_px = Histogram::step_for(&found.clicks);
+        [found.used, found.held_out] = [false, true].map(|check| found.spread(check, step_px));
+        found
+    }
+
+    /// The errors of the clicks that took part, or of those held out.
+    fn spread(&self, check: bool, step_px: f64) -> Option<Spread> {
+        let those = || self.clicks.iter().filter(|click| click.check == check);
+        let [median_px, most_px] = middle_and_most(those().map(|click| click.error_px))?;
+        Some(Spread { count: those().count(), median_px, most_px, histogram: Histogram::of(those(), step_px) })
+    }
+}
+
+/// The named clicks of a frame.
+struct OfFrame {
+    /// Those whose error says something.
+    clicks: Vec<ClickError>,
+    /// False where clicks took part in the solve and leave nothing to compare.
+    is_evident: bool,
+}
+
+impl OfFrame {
+    fn of(document: &Document, index: usize, frame: &Frame, field: &FieldModel) -> Option<Self> {
+        let camera = document.pointed(frame)?;
+        // A frame that names what its field lacks has no solve to speak of either.
+        let observed = observations(frame, field).ok()?;
+        let used = || observed.iter().filter(|observation| !observation.check);
+        let equations: usize = used().map(Observation::equations).sum();
+        // As the verdict has it: two clicks and nothing else are no evidence.
+        let evident = equations > UNKNOWNS && used().count() > 2;
+        let fitted = (equations.saturating_sub(UNKNOWNS) as f64 / equations.max(1) as f64).sqrt();
+        let scale = frame.image_size.scale_from_1920();
+        let of_click = |observation: &Observation| {
+            let target = frame.clicks.get(observation.click)?.target.clone()?;
+            let share = if observation.check { 1.0 } else { fitted };
+            Some(ClickError {
+                frame: index,
+                click: observation.click,
+                target,
+                check: observation.check,
+                error_px: observation.distance_px(&camera).map_or(f64::INFINITY, |px| px / scale),
+                expected_px: share * usual_px(observation) / scale,
+            })
+        };
+        let telling = observed.iter().filter(|observation| evident || observation.check);
+        Some(Self { clicks: telling.filter_map(of_click).collect(), is_evident: evident || used().count() == 0 })
+    }
+}
+
+/// The median distance of right clicks, px of the frame.
+fn usual_px(observation: &Observation) -> f64 {
+    let median = if observation.equations() == 2 { median_rayleigh() } else { median_normal_size() };
+    median * observation.sigma_px
+}
+
+/// The share of the distances below a limit where both coordinates scatter alike and half of the distances lie below the
+/// median (Rayleigh's distribution). A point on a line has one coordinate; it counts as if it had two.
+fn share_below(limit_px: f64, median_px: f64) -> f64 {
+    if median_px > 0.0 { rayleigh_share(limit_px / median_px * median_rayleigh()) } else { 1.0 }
+}
+
+/// Median and nine tenths of some errors, px; none without any.
+pub(super) fn middle_and_most(errors: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    let mut sorted: Vec<f64> = errors.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    (!sorted.is_empty()).then(|| [quantile(&sorted, 0.5), quantile(&sorted, 0.9)])
+}
+
+/// How many errors are of which size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// The width of a bin, px at 1920 px width.
+    pub step_px: f64,
+    /// The bins from 0 on; the last one holds all that is larger, too.
+    pub bins: Vec<Bin>,
+    /// How many of as many right clicks each bin would have.
+    pub expected: Vec<f64>,
+}
+
+/// Errors of about a size.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bin {
+    /// How many.
+    pub count: usize,
+    /// Frame and click of the largest one.
+    pub worst: Option<(usize, usize)>,
+    worst_px: f64,
+}
+
+impl Histogram {
+    /// The width of a bin such that nearly all errors, and nearly all of right clicks, have a bin of their own size, px: 1, 2 or
+    /// 5 times a power of ten.
+    fn step_for(errors: &[ClickError]) -> f64 {
+        let mut sorted: Vec<f64> = errors.iter().map(|click| click.error_px).filter(|px| px.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let nearly_all = if sorted.is_empty() { 0.0 } else { quantile(&sorted, NEARLY_ALL) };
+        let right = errors.iter().map(|click| NEARLY_ALL_OF_RIGHT * click.expected_px).fold(0.0, f64::max);
+        let reach_px = FARTHER * nearly_all.max(right);
+        let steps = (-1..4).flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power)));
+        steps.into_iter().find(|step| step * BINS as f64 >= reach_px).unwrap_or(1e4)
+    }
+
+    /// The histogram of some errors.
+    fn of<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
+        let mut bins = vec![Bin::default(); BINS + 1];
+        // Few noises are different: a number for each landmark and number of clicks.
+        let mut noises: BTreeMap<u64, f64> = BTreeMap::new();
+        for click in errors {
+            *noises.entry(click.expected_px.to_bits()).or_default() += 1.0;
+            let bin = &mut bins[((click.error_px / step_px) as usize).min(BINS)];
+            bin.count += 1;
+            if bin.worst.is_none() || click.error_px > bin.worst_px {
+                (bin.worst, bin.worst_px) = (Some((click.frame, click.click)), click.error_px);
+            }
+        }
+        let below = |bin: usize| -> f64 {
+            noises
+                .iter()
+                .map(|(median, count)| count * share_below(bin as f64 * step_px, f64::from_bits(*median)))
+                .sum()
+        };
+        let all: f64 = noises.values().sum();
+        let expected = (0..=BINS).map(|bin| if bin < BINS { below(bin + 1) } else { all } - below(bin)).collect();
+        Self { step_px, bins, expected }
+    }
+
+    /// How many the fullest bin has.
+    #[must_use]
+    pub fn highest(&self) -> usize {
+        self.bins.iter().map(|bin| bin.count).max().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, Click, FieldSpec, FramePtz};
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    /// A document of frames with clicks this far to the right of where they belong, px of the frame.
+    pub fn document(frames: &[&[(&str, f64, bool)]]) -> Document {
+        let base = CameraBase::new(Vec3::new(0.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let ptz = Ptz::from_degrees(0.0, -14.0, 900.0);
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        for clicks in frames {
+            let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
+            frame.ptz = Some(FramePtz::new(ptz, None));
+            for &(name, off_px, check) in *clicks {
+                let world = field.landmark_in_world(field.landmark(name).unwrap());
+                let mut at = PtzCamera::new(base, ptz).image_from_world(world).unwrap();
+                at.x += off_px;
+                frame.clicks.push(Click { check, ..Click::landmark(name.into(), at) });
+            }
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    pub fn errors(document: &Document) -> ClickErrors {
+        ClickErrors::of(document, &Fields::of(document.at(Path::new(""))).unwrap(), &"main".into())
+    }
+
+    const THREE: [(&str, f64, bool); 3] =
+        [("centre_mark", 1.0, false), ("halfway_far", 0.5, false), ("centre_circle_left", 0.0, false)];
+
+    #[test]
+    fn errors_are_told_at_1920_px_and_against_the_noise_of_clicks() {
+        let found = errors(&document(&[&THREE, &[("centre_mark", 3.0, true)]]));
+        let off: Vec<f64> = found.clicks.iter().map(|click| (click.error_px * 10.0).round() / 10.0).collect();
+        assert_eq!(off, [2.0, 1.0, 0.0, 6.0], "a picture of half the width");
+        let sigma_px =
+            builtin("soccer").unwrap().default_model().unwrap().landmark("centre_mark").unwrap().click_sigma_px;
+        assert!((found.clicks[3].expected_px - median_rayleigh() * sigma_px).abs() < 1e-9);
+        let fitted = (3.0_f64 / 6.0).sqrt();
+        assert!((found.clicks[0].expected_px - fitted * median_rayleigh() * sigma_px).abs() < 1e-9);
+        let (used, held_out) = (found.used.unwrap(), found.held_out.unwrap());
+        assert_eq!((used.count, held_out.count, found.without_evidence), (3, 1, 0));
+        assert!((used.median_px - 1.0).abs() < 1e-6 && (held_out.most_px - 6.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn two_clicks_are_no_evidence_but_a_check_click_beside_them_is() {
+        let two = [("centre_mark", 0.0, false), ("halfway_far", 0.0, false), ("centre_circle_left", 2.0, true)];
+        let found = errors(&document(&[&two]));
+        assert_eq!((found.clicks.len(), found.without_evidence), (1, 1));
+        assert!(found.clicks[0].check && found.clicks[0].click == 2);
+        let mut rejected = document(&[&THREE]);
+        rejected.frames[0].status = FrameStatus::Rejected;
+        assert_eq!(errors(&rejected), ClickErrors::default());
+    }
+
+    #[test]
+    fn the_histogram_counts_every_error_and_the_last_bin_takes_the_rest() {
+        let mut clicks = errors(&document(&[&THREE, &THREE])).clicks;
+        clicks[5].error_px = f64::INFINITY;
+        let step_px = Histogram::step_for(&clicks);
+        assert!(step_px < 0.7 && step_px * BINS as f64 > 2.4, "2.0 px and more in 24 bins: {step_px}");
+        let histogram = Histogram::of(&clicks, step_px);
+        assert_eq!(histogram.bins.iter().map(|bin| bin.count).sum::<usize>(), 6);
+        assert_eq!((histogram.bins[BINS].count, histogram.bins[BINS].worst), (1, Some((1, 2))));
+        assert_eq!(histogram.highest(), 2);
+        assert!((histogram.expected.iter().sum::<f64>() - 6.0).abs() < 1e-9);
+        assert!((share_below(3.0, 3.0) - 0.5).abs() < 1e-12, "half lie below the median");
+        assert_eq!(Histogram::step_for(&[]), 0.1);
+        assert_eq!(middle_and_most([4.0, 1.0, 2.0]), Some([2.0, 3.6]));
+        assert_eq!(middle_and_most([]), None);
+    }
+}

@@ -1,0 +1,92 @@
+//! Which landmarks and lines are hit badly.
+
+use super::errors::{ClickError, ClickErrors, middle_and_most};
+use std::collections::BTreeMap;
+use touchline_documents::document::Target;
+
+/// Fewer clicks than this say little about a landmark.
+const MIN_CLICKS: usize = 3;
+/// A median this many times what is expected is bad.
+const BAD: f64 = 2.0;
+
+/// The clicks on one landmark or line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetErrors {
+    /// Which.
+    pub target: Target,
+    /// How many clicks, check clicks among them.
+    pub clicks: usize,
+    /// Half of them stay below, px at 1920 px width.
+    pub median_px: f64,
+    /// Nine of ten stay below.
+    pub most_px: f64,
+    /// What half of right clicks would stay below.
+    pub expected_px: f64,
+    /// The clicks, the worst first: frame, click and error.
+    pub worst: Vec<(usize, usize, f64)>,
+}
+
+impl TargetErrors {
+    /// How many times larger than expected the errors are.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        self.median_px / self.expected_px
+    }
+
+    /// Whether there are enough clicks to say so, and they are off.
+    #[must_use]
+    pub fn is_bad(&self) -> bool {
+        self.is_known() && self.excess() > BAD
+    }
+
+    /// Whether there are enough clicks to say anything.
+    #[must_use]
+    pub const fn is_known(&self) -> bool {
+        self.clicks >= MIN_CLICKS
+    }
+}
+
+/// Every landmark and line that was clicked: those with enough clicks first, and of these the one that is hit worst.
+#[must_use]
+pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
+    let mut clicked: BTreeMap<&Target, Vec<&ClickError>> = BTreeMap::new();
+    for click in &errors.clicks {
+        clicked.entry(&click.target).or_default().push(click);
+    }
+    let mut found: Vec<TargetErrors> =
+        clicked.into_iter().filter_map(|(target, clicks)| of_target(target, &clicks)).collect();
+    found.sort_by(|a, b| b.is_known().cmp(&a.is_known()).then(b.excess().total_cmp(&a.excess())));
+    found
+}
+
+fn of_target(target: &Target, clicks: &[&ClickError]) -> Option<TargetErrors> {
+    let [median_px, most_px] = middle_and_most(clicks.iter().map(|click| click.error_px))?;
+    let [expected_px, _] = middle_and_most(clicks.iter().map(|click| click.expected_px))?;
+    let mut worst: Vec<(usize, usize, f64)> =
+        clicks.iter().map(|click| (click.frame, click.click, click.error_px)).collect();
+    worst.sort_by(|a, b| b.2.total_cmp(&a.2));
+    Some(TargetErrors { target: target.clone(), clicks: clicks.len(), median_px, most_px, expected_px, worst })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::errors::tests::{document, errors};
+    use super::*;
+
+    #[test]
+    fn the_landmark_that_is_hit_worst_comes_first_and_a_few_clicks_come_last() {
+        let frame = |far_px| {
+            [("centre_mark", 0.2, false), ("halfway_far", far_px, false), ("centre_circle_left", 0.1, false)].to_vec()
+        };
+        let mut frames = [frame(20.0), frame(30.0), frame(25.0)];
+        frames[2].push(("centre_circle_right", 90.0, true));
+        let frames: Vec<&[(&str, f64, bool)]> = frames.iter().map(Vec::as_slice).collect();
+        let found = by_target(&errors(&document(&frames)));
+        let names: Vec<&str> = found.iter().map(|errors| errors.target.as_str()).collect();
+        assert_eq!((names[0], names[3]), ("halfway_far", "centre_circle_right"));
+        assert!(found[0].is_bad() && !found[1].is_bad());
+        assert!(!found[3].is_bad(), "one click says little, however far off");
+        assert_eq!(found[0].worst.iter().map(|worst| worst.0).collect::<Vec<_>>(), [1, 2, 0]);
+        assert!((found[0].median_px - 50.0).abs() < 1e-6 && found[0].clicks == 3);
+    }
+}

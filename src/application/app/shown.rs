@@ -1,0 +1,75 @@
+//! What the window shows of the frame's camera. While an estimated base waits for a decision, lines, residuals, verdict and numbers
+//! are all those of that base; nothing of the current base stands beside them.
+
+use super::App;
+use touchline_calibration::calibrate::CalibrationError;
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::solve::{ClickResidual, FrameSolution, Judgement};
+
+/// The shown frame as its base, or an estimated one, has it.
+#[derive(Clone, Debug)]
+pub struct Shown<'a> {
+    /// The base.
+    pub base: Option<CameraBase>,
+    /// The frame's camera.
+    pub camera: Option<PtzCamera>,
+    /// What the clicks say; none where there is nothing to solve.
+    pub solution: Option<&'a Result<FrameSolution, CalibrationError>>,
+    /// The verdict.
+    pub judgement: Option<Judgement>,
+    /// The clicks that something contradicts.
+    pub disputed: &'a [usize],
+    /// All of this is with an estimated base that waits for a decision.
+    pub is_estimated: bool,
+    residuals: &'a [ClickResidual],
+}
+
+impl<'a> Shown<'a> {
+    /// What the clicks say, if they give a camera.
+    #[must_use]
+    pub fn solved(&self) -> Option<&'a FrameSolution> {
+        self.solution?.as_ref().ok()
+    }
+
+    /// Where a click lies as seen from the camera; none for check clicks of a solution from clicks.
+    #[must_use]
+    pub fn residual(&self, click: usize) -> Option<&'a ClickResidual> {
+        let residuals = self.solved().map_or(self.residuals, |solved| &solved.residuals);
+        residuals.iter().find(|residual| residual.click == click)
+    }
+}
+
+impl App {
+    /// Whether an estimated base of the shown frame's camera waits for a decision.
+    #[must_use]
+    pub fn decides_about_base(&self) -> bool {
+        let proposed = self.session.base.proposed();
+        proposed.zip(self.frame()).is_some_and(|(found, frame)| found.camera == frame.camera)
+    }
+
+    /// What is shown of the frame's camera: of one base, whichever it is.
+    #[must_use]
+    pub fn shown(&self) -> Shown<'_> {
+        let current = self.current();
+        match current.proposal.as_ref().filter(|_| !self.session.held.compare) {
+            Some(proposal) => Shown {
+                base: Some(proposal.base),
+                camera: proposal.camera,
+                solution: proposal.solution.as_ref(),
+                judgement: proposal.judgement.clone(),
+                disputed: &proposal.disputed,
+                is_estimated: true,
+                residuals: &[],
+            },
+            None => Shown {
+                base: current.base,
+                camera: current.camera,
+                solution: current.solution.as_ref(),
+                judgement: self.judgement(),
+                disputed: &current.disputed,
+                is_estimated: false,
+                residuals: &current.residuals,
+            },
+        }
+    }
+}

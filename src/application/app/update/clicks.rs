@@ -1,0 +1,231 @@
+//! Placing, moving and removing clicks.
+
+use super::App;
+use crate::app::session::{Level, Mode};
+use touchline_core::geometry::ImagePoint;
+use touchline_documents::document::{Click, FrameStatus};
+
+impl App {
+    pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
+        if self.round().is_some() {
+            self.hold_again(at, true);
+            return;
+        }
+        self.session.forget_placed();
+        let Some(frame) = self.frame() else { return };
+        if !at.is_finite() {
+            return;
+        }
+        let size = frame.image_size;
+        let rejected = frame.status == FrameStatus::Rejected;
+        if let Mode::Naming(_) = self.session.mode {
+            self.leave_naming();
+            if on.is_none() {
+                return;
+            }
+        }
+        if matches!(self.session.mode, Mode::Rejecting { .. }) {
+            self.session.mode = Mode::Idle;
+            return;
+        }
+        if let Some(click) = on {
+            let name = self.click_name(click);
+            self.session.selected = Some(click);
+            if self.begin(format!("Move {name}")) {
+                self.session.mode = Mode::Dragging { click, placed: false };
+            }
+            return;
+        }
+        if !size.contains(at) {
+            self.session.selected = None;
+            return;
+        }
+        if rejected {
+            self.session.notify(Level::Info, "This frame is marked as not calibratable. X removes the mark.");
+            return;
+        }
+        let placing = match std::mem::take(&mut self.session.mode) {
+            Mode::Placing(target) => Some(target),
+            _ => None,
+        };
+        let click = match placing {
+            Some(target) => Click::new(target, at),
+            None => Click::unnamed(at),
+        };
+        let (placed, named) = (click.target.is_none(), click.target.clone());
+        if !self.begin("Place point") {
+            return;
+        }
+        let Some(frame) = self.frame_mut() else { return };
+        frame.clicks.push(click);
+        let index = frame.clicks.len() - 1;
+        self.session.selected = Some(index);
+        self.session.mode = Mode::Dragging { click: index, placed };
+        if placed {
+            self.name_if_certain(index);
+        }
+        self.clicks_changed();
+        if let Some(target) = named {
+            self.warn_of_unmarked(&target);
+        }
+    }
+
+    pub(super) fn drag(&mut self, to: ImagePoint) {
+        if self.round().is_some() {
+            self.hold_again(to, false);
+            return;
+        }
+        let Mode::Dragging { click, placed } = self.session.mode else { return };
+        self.move_click(click, to);
+        if placed {
+            self.name_if_certain(click);
+        }
+        self.clicks_changed();
+    }
+
+    /// The button went up; `exactly`: the point stays where it is, whatever is painted near by.
+    pub(super) fn release(&mut self, exactly: bool) {
+        if self.round().is_some() {
+            self.release_again();
+            return;
+        }
+        let Mode::Dragging { click, placed } = self.session.mode else { return };
+        self.session.mode = Mode::Idle;
+        let revision = self.open.as_ref().map(|open| open.revision);
+        self.commit();
+        let moved = self.open.as_ref().map(|open| open.revision) != revision;
+        if moved {
+            self.snap_later(click, exactly);
+        }
+        let unnamed =
+            self.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none());
+        if unnamed {
+            self.open_naming(click);
+        } else if placed {
+            self.session.named_unasked = Some(click);
+        }
+    }
+
+    /// Puts a click somewhere within the picture.
+    fn move_click(&mut self, click: usize, to: ImagePoint) {
+        let Some(frame) = self.frame_mut() else { return };
+        let (width, height) = (f64::from(frame.image_size.width), f64::from(frame.image_size.height));
+        if let Some(click) = frame.clicks.get_mut(click)
+            && to.is_finite()
+        {
+            click.image = ImagePoint::new(to.x.clamp(0.0, width), to.y.clamp(0.0, height));
+            click.snapped_sigma_px = None;
+        }
+    }
+
+    pub(super) fn select(&mut self, click: Option<usize>) {
+        self.session.selected = click;
+        self.clamp_selection();
+    }
+
+    /// Moves the selected click; a key that is held down is one step of undo.
+    pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
+        let Some(click) = self.session.selected else { return };
+        let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
+        let name = self.click_name(click);
+        let step = self.step_at(format!("Nudge {name}"), self.session.frame);
+        let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
+        if resumed || self.begin_step(step) {
+            // Whoever moves a point is done with its name.
+            self.session.named_unasked = None;
+            self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    pub(super) fn delete_click(&mut self, click: usize) {
+        if self.frame().is_none_or(|frame| click >= frame.clicks.len()) {
+            return;
+        }
+        let name = self.click_name(click);
+        self.session.mode = Mode::Idle;
+        self.session.forget_placed();
+        if self.begin(format!("Delete {name}")) {
+            if let Some(frame) = self.frame_mut() {
+                frame.retain_clicks(|place, _| place != click);
+            }
+            self.session.selected = None;
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    pub(super) fn set_check(&mut self, click: usize, check: bool) {
+        let name = self.click_name(click);
+        let step = if check { format!("Make {name} a check point") } else { format!("Use {name}") };
+        if self.begin(step) {
+            if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+                click.check = check;
+            }
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    /// Selects the next or previous click of the frame, cyclically.
+    pub(super) fn step_click(&mut self, forward: bool) {
+        let count = self.frame().map_or(0, |frame| frame.clicks.len());
+        if count == 0 {
+            return;
+        }
+        self.session.selected = Some(match (self.session.selected, forward) {
+            (None, true) => 0,
+            (None, false) => count - 1,
+            (Some(click), true) => (click + 1) % count,
+            (Some(click), false) => (click + count - 1) % count,
+        });
+    }
+
+    /// What messages and undo call a click: its label in lower case.
+    pub(super) fn click_name(&self, click: usize) -> String {
+        let target = self.frame().and_then(|frame| frame.clicks.get(click)).and_then(|click| click.target.as_ref());
+        target.map_or_else(|| "point".to_owned(), |target| self.label(target))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, Command, Effect, Opened, Settings};
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
+
+    #[test]
+    fn a_held_arrow_key_is_one_step_and_each_edit_is_journalled() {
+        let size = ImageSize::new(1920, 1080);
+        let at = ImagePoint::new(500.0, 400.0);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        let mut frame = Frame { status: FrameStatus::Draft, ..Frame::from_image("a.jpg", "main".into(), size) };
+        frame.clicks.push(Click::landmark("centre_mark".into(), at));
+        document.frames.push(frame.into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Select(Some(0)));
+        let image = |app: &App| app.frame().unwrap().clicks[0].image;
+        let nudge = |app: &mut App, dx_px: f64, held: bool| {
+            let effects = app.update(Action::Nudge { dx_px, dy_px: 0.0, held });
+            assert!(effects.iter().any(|effect| matches!(effect, Effect::Journal { .. })), "{dx_px}");
+        };
+        nudge(&mut app, 1.0, false);
+        for _ in 0..5 {
+            nudge(&mut app, 1.0, true);
+        }
+        nudge(&mut app, 1.0, false);
+        assert!((image(&app).x - 507.0).abs() < 1e-9);
+        app.update(Action::Command(Command::Undo));
+        assert!((image(&app).x - 506.0).abs() < 1e-9);
+        app.update(Action::Command(Command::Undo));
+        assert_eq!(image(&app), at);
+        // Away and back with the key held: no step, but the journal has to know.
+        nudge(&mut app, 1.0, false);
+        nudge(&mut app, -1.0, true);
+        assert!(app.open().unwrap().history.next_undo().is_none());
+    }
+}

@@ -1,0 +1,425 @@
+//! Carrying out commands.
+
+use super::App;
+use super::gold::IN_ROUND;
+use crate::app::effect::Effect;
+use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
+use crate::app::transfer::TransferTab;
+use crate::app::{Chord, Command, CommandKind};
+use touchline_documents::document::{EditKind, Frame, FrameStatus};
+
+/// One step of the zoom keys.
+const ZOOM_STEP: f64 = 1.25;
+/// The scale of "zoom to the point".
+const POINT_SCALE: f64 = 8.0;
+/// The picture is enlarged at most this much.
+pub const MAX_SCALE: f64 = 32.0;
+
+impl App {
+    /// Why a command is not available; none if it is.
+    #[must_use]
+    pub fn why_not(&self, command: Command) -> Option<&'static str> {
+        use Command as C;
+        let no_document = self.open.is_none();
+        let no_frame = self.frame().is_none();
+        let no_selection = self.session.selected.is_none();
+        match command {
+            _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
+            C::Undo if self.round().is_some() => None,
+            C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
+            C::LeaveTour => self.session.tour.is_none().then_some("No tour is under way."),
+            C::DismissNotices if self.session.notices.is_empty() => Some("There are no messages."),
+            C::OpenProject
+            | C::OpenFolder
+            | C::OpenVideo
+            | C::OpenDemo
+            | C::StartTour
+            | C::DismissNotices
+            | C::Quit
+            | C::Cancel
+            | C::Palette
+            | C::Keys
+            | C::Messages
+            | C::Preferences
+            | C::Guide
+            | C::About => None,
+            C::PauseTrainer => self.no_trainer(),
+            _ if self.session.quality.open && command.kind() == CommandKind::Picture => {
+                Some("Close the quality page first.")
+            }
+            C::OverlayStyle | C::PictureLook => None,
+            C::ShowFeatures => self.no_trainer(),
+            _ if no_document => Some("No document is open."),
+            C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
+            C::Save | C::Import | C::ChooseSport if self.is_read_only() => Some("The document is read-only."),
+            C::Undo if !self.can_undo() => Some("There is nothing to undo."),
+            C::Redo if !self.can_redo() => Some("There is nothing to redo."),
+            C::Orphans
+            | C::Save
+            | C::SaveAs
+            | C::Import
+            | C::Export
+            | C::ExportDataset
+            | C::Undo
+            | C::Redo
+            | C::ShowFieldMap
+            | C::CameraPanel
+            | C::TrainerPanel
+            | C::ReviewPanel
+            | C::QualityPage => None,
+            _ if no_frame => Some("The document has no frames."),
+            C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
+                Some("No point is selected.")
+            }
+            C::NameNext if self.frame().and_then(Frame::unnamed_click).is_none() => {
+                Some("Every point of this frame has a name.")
+            }
+            C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
+            C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
+            C::CompareAnnotators => self.why_not_compare(),
+            C::ChooseGold if !self.gold().can_choose => {
+                Some("Every suitable reference is gold already. Accept more frames first.")
+            }
+            C::UseOwnNoise => self.why_not_own_noise(),
+            C::UseUsualNoise => self.why_not_usual_noise(),
+            C::AcceptAllAbove if self.review.rows.is_empty() => Some("There are no suggestions."),
+            C::NextUnanswered if self.review.advice.next.is_none() => Some("No frame needs a label."),
+            C::UseForTraining if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
+                Some("Only references are used for training.")
+            }
+            C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all its frames."),
+            C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
+                Some("The field's size is confirmed already.")
+            }
+            C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
+                Some("There are no burned-in graphics to decide about.")
+            }
+            C::Accept | C::AcceptAndStay if self.session.masks => Some("Masks are being drawn: Esc ends that first."),
+            C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
+            C::AssignToCamera
+            | C::NewCameraFromChange
+            | C::ConfirmFieldSize
+            | C::FitFieldSize
+            | C::FindShots
+            | C::AddCut
+            | C::MoveCutHere
+            | C::RemoveCut
+                if self.is_read_only() =>
+            {
+                Some("The document is read-only.")
+            }
+            C::NextShot | C::PreviousShot | C::FindShots | C::AddCut | C::MoveCutHere | C::RemoveCut
+                if self.frame().is_some_and(|frame| frame.video.is_none()) =>
+            {
+                Some("This frame does not come from a video.")
+            }
+            C::StopShotSearch if self.session.video.search.is_none() => Some("No search for cuts is running."),
+            C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
+            C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
+            C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
+            C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
+            C::Compare if self.current.proposal.is_some() => None,
+            C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
+            C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
+            C::Snap => self.why_not_snap(),
+            C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
+            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+                self.why_not_camera_search(command)
+            }
+            C::SearchLines => self.why_not_search_lines(),
+            C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
+                Some("No lines are being searched.")
+            }
+            C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
+            _ => None,
+        }
+    }
+
+    pub(in crate::app) fn is_read_only(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.read_only.is_some())
+    }
+
+    fn can_undo(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.history.is_open() || open.history.next_undo().is_some())
+    }
+
+    fn can_redo(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.history.next_redo().is_some())
+    }
+
+    pub(super) fn command(&mut self, command: Command) {
+        use Command as C;
+        if let Some(reason) = self.why_not(command) {
+            self.session.notify(Level::Info, reason);
+            return;
+        }
+        self.session.forget_placed();
+        match command {
+            C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
+            C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
+            C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
+            C::OpenDemo => {
+                self.tour_waits = false;
+                self.open_demo();
+            }
+            C::StartTour => self.start_tour(),
+            C::LeaveTour => self.leave_tour(),
+            C::Orphans => self.session.dialog = Some(Dialog::Orphans),
+            C::Save => self.save(),
+            C::SaveAs => self.effects.push(Effect::Ask(Question::CopyTo)),
+            C::Export => self.open_transfer(TransferTab::Export),
+            C::ExportDataset => self.open_transfer(TransferTab::Dataset),
+            C::Import => self.open_transfer(TransferTab::Import),
+            C::LoadCamera => self.effects.push(Effect::Ask(Question::CameraFrom)),
+            C::Quit => self.close_requested(),
+            C::Undo if self.round().is_some() => self.undo_again(),
+            C::Undo => self.undo(true),
+            C::Redo => self.undo(false),
+            C::DeleteClick => {
+                if let Some(click) = self.session.selected {
+                    self.delete_click(click);
+                }
+            }
+            C::RenameClick => {
+                if let Some(click) = self.session.selected {
+                    self.open_naming(click);
+                }
+            }
+            C::NameNext => self.name_next(),
+            C::PlaceOnLine => match &self.session.mode {
+                Mode::Naming(naming) => self.offer_lines(!naming.lines),
+                _ => self.session.next_on_line = !self.session.next_on_line,
+            },
+            C::ToggleCheck => {
+                let selected = self.session.selected;
+                let check = selected.and_then(|click| Some(self.frame()?.clicks.get(click)?.check));
+                if let (Some(click), Some(check)) = (selected, check) {
+                    self.set_check(click, !check);
+                }
+            }
+            C::NextClick => self.step_click(true),
+            C::PreviousClick => self.step_click(false),
+            C::Cancel => self.cancel(),
+            C::NextFrame => self.step_frame(1),
+            C::PreviousFrame => self.step_frame(-1),
+            C::NextTenFrames => self.step_frame(10),
+            C::PreviousTenFrames => self.step_frame(-10),
+            C::NextNeedsMe => self.go_to_next_that_needs_me(true),
+            C::PreviousNeedsMe => self.go_to_next_that_needs_me(false),
+            C::NextUnanswered => self.go_to_label_next(),
+            C::FirstFrame => self.go_to(0),
+            C::LastFrame => self.go_to(usize::MAX),
+            C::GoToPlace => self.session.dialog = Some(Dialog::GoToPlace),
+            C::PlayPause => self.toggle_playing(),
+            C::NextShot => self.go_to_shot(true),
+            C::PreviousShot => self.go_to_shot(false),
+            C::FindShots => self.find_shots(),
+            C::StopShotSearch => self.stop_shot_search(),
+            C::AddCut => self.add_cut(),
+            C::MoveCutHere => self.move_cut_here(),
+            C::RemoveCut => self.remove_cut(),
+            C::NextReference => self.go_to_next(
+                true,
+                |frame| frame.status == FrameStatus::Reference,
+                "There is no other reference yet.",
+            ),
+            C::PreviousReference => self.go_to_next(
+                false,
+                |frame| frame.status == FrameStatus::Reference,
+                "There is no other reference yet.",
+            ),
+            C::Accept => self.accept(false),
+            C::AcceptAndStay => self.accept(true),
+            C::AcceptAnyway => self.accept_anyway(),
+            C::AcceptAllAbove => self.ask_accept_all(),
+            C::UseForTraining => self.toggle_use_for_training(),
+            C::MarkGold => self.toggle_gold(),
+            C::ChooseGold => self.choose_gold(),
+            C::ClickAgain => self.click_again(),
+            C::SkipAgain => self.skip_again(),
+            C::UseOwnNoise => self.use_own_noise(),
+            C::UseUsualNoise => self.use_usual_noise(),
+            C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
+            C::Reject => self.ask_reject(false),
+            C::RejectShot => self.ask_reject(true),
+            C::Comment => {
+                let comment = self.frame().and_then(|frame| frame.comment.clone()).unwrap_or_default();
+                self.session.dialog = Some(Dialog::Comment(comment));
+            }
+            C::MendNames => self.mend_names(),
+            C::SwitchRoot => self.switch_root(),
+            C::Snap => self.snap(false),
+            C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
+            C::SearchLines => self.snap(true),
+            C::StopSearch => self.stop_search(),
+            C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
+            C::ZoomIn => self.zoom_by(ZOOM_STEP),
+            C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
+            C::ZoomToFit => self.session.view = PictureView::Fit,
+            C::ZoomToClick => self.zoom_to_click(),
+            C::HideOverlay => self.session.held.hide_overlay = !self.session.held.hide_overlay,
+            C::Compare => self.session.held.compare = !self.session.held.compare,
+            C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
+            C::ShowMasks => self.session.masks = !self.session.masks,
+            C::ShowFieldMap => {
+                self.settings.field_map = !self.settings.field_map;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::SnapPoints => {
+                self.settings.snap_points = !self.settings.snap_points;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::BaseOnPaint => {
+                self.settings.base_on_paint = !self.settings.base_on_paint;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::SnapSuggestions => {
+                self.settings.snap_suggestions = !self.settings.snap_suggestions;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::CameraPanel => self.toggle_panel(SidePanel::Camera),
+            C::TrainerPanel => self.toggle_panel(SidePanel::Trainer),
+            C::PauseTrainer => self.pause_trainer(),
+            C::ShowFeatures => self.show_features(),
+            C::ReviewPanel => self.toggle_panel(SidePanel::Review),
+            C::QualityPage => self.toggle_quality(),
+            C::AssignToCamera => self.ask_camera(),
+            C::ConfirmFieldSize => self.confirm_field_size(),
+            C::SelectShot => self.select_shot(),
+            C::NewCameraFromChange => self.new_camera_from_change(),
+            C::KeepBurntIn => self.keep_burnt_in(),
+            C::ChangeBurntIn => self.change_burnt_in(),
+            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+                self.camera_search_command(command);
+            }
+            C::EstimateBase => self.estimate_base(false),
+            C::ShowForBase => self.show_for_base(),
+            C::FitFieldSize => self.estimate_base(true),
+            C::UseEstimatedBase => self.use_base(),
+            C::DropEstimatedBase => self.drop_base(),
+            C::StopSolving => self.stop_bulk(),
+            C::UseForBase => {
+                let used = self.frame().is_some_and(|frame| !frame.use_for_base);
+                self.use_for_base(self.session.frame, used);
+            }
+            C::Uncertainty => self.session.uncertainty = self.session.uncertainty.next(),
+            C::Palette => self.session.dialog = Some(Dialog::Palette),
+            C::Keys => self.session.dialog = Some(Dialog::Keys),
+            C::Messages => self.session.dialog = Some(Dialog::Messages),
+            C::DismissNotices => self.session.notices.clear(),
+            C::ChooseSport => self.session.dialog = Some(Dialog::Sport),
+            C::PictureLook => self.session.dialog = Some(Dialog::PictureLook),
+            C::Preferences => self.session.dialog = Some(Dialog::Preferences),
+            C::Guide => self.open_guide(),
+            C::About => self.session.dialog = Some(Dialog::About),
+        }
+    }
+
+    pub(super) fn hold(&mut self, command: Command, down: bool) {
+        match command {
+            Command::HideOverlay => self.session.held.hide_overlay = down,
+            Command::Snap => self.hold_snap(down),
+            Command::Compare => self.session.held.compare = down && self.why_not(command).is_none(),
+            _ => {}
+        }
+    }
+
+    /// Leaves what lies on top: dialog, names, drag, placing, line; then the selection.
+    fn cancel(&mut self) {
+        if self.session.dialog.is_some() {
+            self.close_dialog();
+            return;
+        }
+        if self.session.opening.take().is_some() {
+            self.tour_waits = false;
+            self.session.leaving = None;
+            self.effects.push(Effect::CancelOpening);
+            return;
+        }
+        if self.session.quality.open {
+            self.session.quality.open = false;
+            return;
+        }
+        if self.session.mode == Mode::Idle && self.session.base.is_open() {
+            self.drop_base();
+            return;
+        }
+        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.masks) {
+            return;
+        }
+        match &self.session.mode {
+            Mode::Dragging { .. } | Mode::Editing => self.abort(),
+            Mode::Naming(naming) => {
+                let (click, refines) = (naming.click, naming.refines);
+                self.leave_naming();
+                // It has the name that it gave itself, which nobody has confirmed.
+                self.session.named_unasked = refines.then_some(click);
+                // A point that was just placed and gets no name was not meant.
+                let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
+                if unnamed.is_some_and(|click| click.target.is_none()) {
+                    self.delete_click(click);
+                }
+            }
+            Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
+            Mode::ClickingAgain(_) => self.end_round(),
+            Mode::Idle if self.session.next_on_line => self.session.next_on_line = false,
+            Mode::Idle if self.session.selected.is_none() => self.session.frames_selected.clear(),
+            Mode::Idle => self.session.selected = None,
+        }
+    }
+
+    /// Takes the last step back, or does it again. A step on another frame is gone to first and said; the second press
+    /// changes it.
+    fn undo(&mut self, back: bool) {
+        self.session.mode = Mode::Idle;
+        self.commit_open_step();
+        let Some(open) = &mut self.open else { return };
+        let next = if back { open.history.next_undo() } else { open.history.next_redo() };
+        let Some(step) = next.cloned() else { return };
+        let word = if back { "undo" } else { "redo" };
+        let position = step.frame.and_then(|id| open.document.frames.position_of(&id));
+        if let Some(position) = position.filter(|position| *position != self.session.frame) {
+            self.go_to(position);
+            let text = format!("The last change was here: {}. Press again to {word} it.", step.name);
+            self.session.notify(Level::Info, text);
+            return;
+        }
+        let frames = open.document.frames.clone();
+        open.undo(back);
+        self.follow_frames(&frames);
+        let (title, kind) = if back { ("Undone", EditKind::Undone) } else { ("Redone", EditKind::Redone) };
+        self.journal(&format!("{title}: {}", step.name), kind);
+        self.session.notify(Level::Info, format!("{title}: {}.", step.name));
+        self.clamp_selection();
+    }
+
+    fn zoom_by(&mut self, factor: f64) {
+        let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
+        let (scale, centre) = match self.session.view {
+            PictureView::Zoomed { scale, centre } => (scale, centre),
+            PictureView::Fit => (self.session.fit_scale, size.centre()),
+        };
+        let wanted = scale * factor;
+        self.session.view = if wanted <= self.session.fit_scale {
+            PictureView::Fit
+        } else {
+            PictureView::Zoomed { scale: wanted.min(MAX_SCALE), centre }
+        };
+    }
+
+    fn zoom_to_click(&mut self) {
+        let click = self.session.selected.and_then(|click| self.frame()?.clicks.get(click));
+        if let Some(centre) = click.map(|click| click.image) {
+            self.session.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
+        }
+    }
+
+    pub(super) fn assign_key(&mut self, command: Command, chord: Chord) {
+        let shown = chord.to_string();
+        if let Some(loser) = self.settings.keys.assign(command, chord) {
+            let text = format!("{shown} is now “{}”; “{}” no longer has a key.", command.name(), loser.name());
+            self.session.notify(Level::Info, text);
+        }
+        self.effects.push(Effect::SaveSettings);
+    }
+}

@@ -1,0 +1,269 @@
+//! Opening, saving and closing.
+
+use super::App;
+use super::Current;
+use crate::app::Command;
+use crate::app::OpenProject;
+use crate::app::Opened;
+use crate::app::effect::Effect;
+use crate::app::operations::Operations;
+use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
+use std::path::{Path, PathBuf};
+use touchline_core::field::{FieldError, Template};
+
+impl App {
+    pub(super) fn open_path(&mut self, path: PathBuf) {
+        self.tour_waits = false;
+        self.leave_document(Leaving::Open(path));
+    }
+
+    pub(super) fn open_demo(&mut self) {
+        self.leave_document(Leaving::OpenDemo);
+    }
+
+    pub(super) fn begin_opening_demo(&mut self) {
+        self.session.opening = Some("Opening the demo match…".to_owned());
+        self.effects.push(Effect::OpenDemo);
+    }
+
+    pub(super) fn begin_opening(&mut self, path: PathBuf) {
+        // What failed before is answered by another try.
+        self.session.notices.retain(|notice| notice.level != Level::Error);
+        self.session.opening = Some(format!("Opening {}…", path.display()));
+        self.effects.push(Effect::Open(path));
+    }
+
+    pub(super) fn opened(&mut self, opened: Opened) {
+        self.effects.push(Effect::CancelEstimate);
+        self.effects.push(Effect::CancelBulk);
+        self.effects.push(Effect::CancelSnap);
+        self.effects.push(Effect::CancelTransfer);
+        self.stop_shot_search();
+        self.operations = Operations::default();
+        let panel = self.session.panel;
+        let trainer = self.trainer_for_another();
+        let snap_tickets = self.session.snap_tickets;
+        let transfer_tickets = self.session.transfer.tickets;
+        let told = std::mem::take(&mut self.session.told);
+        self.session = Session::default();
+        self.session.told = told;
+        self.session.trainer = trainer;
+        // A report of the document before is passed over.
+        self.session.snap_tickets = snap_tickets;
+        self.session.transfer.tickets = transfer_tickets;
+        self.session.panel = panel;
+        for (level, text) in &opened.notices {
+            self.session.notify(*level, text.clone());
+        }
+        if let Some(reason) = &opened.read_only {
+            self.session.notify(Level::Warning, format!("Opened read-only: {reason}"));
+        }
+        if opened.is_new {
+            self.session.dialog = Some(Dialog::Sport);
+            self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
+        }
+        self.session.orphans.clone_from(&opened.orphans);
+        self.tell_orphans();
+        self.settings.remember(&opened.file);
+        self.effects.push(Effect::SaveSettings);
+        let Opened { prepared, history, folder, file, read_only, .. } = opened;
+        let mut open = OpenProject::of(prepared, file, folder, read_only);
+        open.history = history;
+        self.session.frame = left_at(&open);
+        self.open = Some(open);
+        self.current = Current::default();
+        self.review = super::Review::default();
+        self.quality = super::Quality::default();
+        self.point_snaps = self.point_snaps.for_another();
+        self.session.unticked.clear();
+        self.begin_waiting_tour();
+        self.offer_tour();
+        self.find_burnt_in();
+        self.find_shots_of_new();
+        self.compare_pictures();
+    }
+
+    /// Asks for the field templates that the document came to name.
+    pub(super) fn read_templates(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let (of, folder) = (&open.file, &open.folder);
+        let read = |name| Effect::ReadTemplate { of: of.clone(), folder: folder.clone(), name };
+        self.effects.extend(open.derived.take_wanted_templates().into_iter().map(read));
+    }
+
+    /// A template was read; the document that names it may have been closed since.
+    pub(super) fn template_read(&mut self, of: &Path, name: &str, template: Result<Box<Template>, FieldError>) {
+        let Some(open) = self.open.as_mut().filter(|open| open.file == of) else { return };
+        if let Err(error) = &template {
+            let said = format!("The field's lines are not drawn: {error}");
+            self.session.notify_with(Level::Warning, said, [("Camera panel", Command::CameraPanel)]);
+        }
+        open.template_read(name, template);
+    }
+
+    pub(super) fn read_failed_templates_again(&mut self) {
+        if let Some(open) = &mut self.open {
+            open.want_failed_templates_again();
+        }
+    }
+
+    pub(super) fn save(&mut self) {
+        self.commit_open_step();
+        let Some(open) = &self.open else { return };
+        if open.read_only.is_none() {
+            self.session.save_requests += 1;
+            self.effects.push(Effect::Save { request: self.session.save_requests });
+        }
+    }
+
+    /// Takes the path that was asked for.
+    pub(super) fn answer(&mut self, question: Question, path: PathBuf) {
+        // A file dialog asks before a file is replaced; who types a path has not been asked.
+        let is_typed = matches!(self.session.dialog, Some(Dialog::Path(_)));
+        self.session.dialog = None;
+        match (question, &self.open) {
+            (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
+            (Question::CopyTo, Some(open)) => {
+                self.session.copies.begun = Some(open.revision);
+                self.effects.push(Effect::SaveCopy {
+                    document: open.document.clone(),
+                    from: open.folder.clone(),
+                    folder: path,
+                });
+            }
+            (Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_), Some(_)) => {
+                self.place_chosen(question, path, !is_typed);
+            }
+            (Question::CompareWith, Some(_)) => self.compare(path),
+            (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
+            (_, None) => {}
+        }
+    }
+
+    pub(super) fn saved(&mut self, revision: u64, at: String, document: Option<u64>) {
+        let newest = self.open.as_ref().map_or(0, |open| open.revision);
+        if revision >= newest {
+            self.session.saving = Saving::Saved { at };
+            if document.is_some() {
+                self.session.changed_outside = None;
+                // The document holds it now.
+                if let Some(own) = self.session.own_version.take() {
+                    self.session.orphans.retain(|orphan| orphan.path != own);
+                }
+            }
+            self.go_on_leaving(document);
+        }
+    }
+
+    pub(super) fn save_failed(&mut self, message: String) {
+        let since = match std::mem::take(&mut self.session.saving) {
+            Saving::Saved { at } => Some(at),
+            Saving::Failed { since, .. } => since,
+            Saving::Untouched | Saving::Pending => None,
+        };
+        self.session.saving = Saving::Failed { message, since };
+        if let Some(leaving) = self.stay()
+            && self.is_unsaved()
+        {
+            self.session.dialog = Some(Dialog::NotSaved(leaving));
+        }
+    }
+}
+
+/// Where work goes on: at the frame that was changed last, or the next one from there that is to do; at the first frame where all are done.
+fn left_at(open: &OpenProject) -> usize {
+    let frames = &open.document.frames;
+    let changed = open.history.next_undo().and_then(|step| frames.position_of(step.frame.as_ref()?)).unwrap_or(0);
+    let to_do = |position: &usize| frames.get(*position).is_some_and(|frame| is_to_do(frame));
+    (changed..frames.len()).chain(0..changed).find(to_do).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::app::{Action, App, Effect, Opened, Settings};
+    use touchline_core::field::{FieldError, Template, builtin};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
+
+    /// Two frames of a field whose template lies beside the document, and what opening them asked for.
+    fn opened_with_own_template() -> (App, Vec<Effect>) {
+        let (size, mut document) = (ImageSize::new(1280, 720), Document::new(FieldSpec::new("own.json")));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), size).into();
+        document.frames.extend((0..2).map(frame));
+        let mut app = App::new(Settings::default());
+        let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        (app, asked(effects))
+    }
+
+    /// The templates that are to be read.
+    fn asked(effects: Vec<Effect>) -> Vec<Effect> {
+        effects.into_iter().filter(|effect| matches!(effect, Effect::ReadTemplate { .. })).collect()
+    }
+
+    fn read(of: &str, template: Result<Box<Template>, FieldError>) -> Action {
+        Action::TemplateRead { of: of.into(), name: "own.json".to_owned(), template }
+    }
+
+    fn soccer() -> Box<Template> {
+        Box::new(builtin("soccer").unwrap().clone())
+    }
+
+    #[test]
+    fn a_template_of_ones_own_is_read_in_the_background() {
+        let (mut app, effects) = opened_with_own_template();
+        let (of, folder, name) = ("/match/project.json".into(), "/match".into(), "own.json".to_owned());
+        assert_eq!(effects, [Effect::ReadTemplate { of, folder, name }]);
+        assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
+        assert_eq!(asked(app.update(Action::GoTo(1))), [], "asked once");
+        app.update(read("/another/project.json", Ok(soccer())));
+        assert!(app.current().field().is_none(), "of a document that was closed meanwhile");
+        app.update(read("/match/project.json", Ok(soccer())));
+        assert!(app.current().field().is_some(), "{:?}", app.current().field);
+        assert_eq!(asked(app.update(Action::GoTo(0))), []);
+    }
+
+    #[test]
+    fn a_template_that_could_not_be_read_is_read_again_when_asked_for() {
+        let (mut app, _) = opened_with_own_template();
+        let problem = "no such file".to_owned();
+        let missing = FieldError::Unreadable { place: "own.json".to_owned(), problem };
+        app.update(read("/match/project.json", Err(missing)));
+        assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
+        let said = app.session.notices.last().map(|notice| notice.text.as_str());
+        let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
+        assert_eq!(said, Some(wanted));
+        assert_eq!(asked(app.update(Action::GoTo(0))), [], "a file is not tried again unasked");
+        assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)).len(), 1);
+        assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
+        app.update(read("/match/project.json", Ok(soccer())));
+        assert!(app.current().field().is_some());
+        assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)), [], "what was read stays");
+    }
+
+    #[test]
+    fn a_project_opens_where_it_was_left() {
+        let size = ImageSize::new(1280, 720);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        for index in 0..6 {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            if index < 2 {
+                frame.status = FrameStatus::Rejected;
+            }
+            document.frames.push(frame.into());
+        }
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        assert_eq!(app.session.frame, 2, "the first that is to do");
+        app.update(Action::GoTo(4));
+        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
+        app.update(Action::Release);
+        let left = app.open().unwrap();
+        let mut again = Opened::new(left.document.clone(), "/match/project.json");
+        again.history = left.history.clone();
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(again)));
+        assert_eq!(app.session.frame, 4, "its last point was placed there");
+    }
+}

@@ -1,0 +1,167 @@
+//! Navigating, accepting and rejecting frames.
+
+use super::App;
+use crate::app::Command;
+use crate::app::progress::just_accepted;
+use crate::app::session::{Level, Mode, SidePanel};
+use touchline_documents::document::{Frame, FrameStatus, RejectReason};
+
+impl App {
+    pub(super) fn go_to(&mut self, frame: usize) {
+        let count = self.open.as_ref().map_or(0, |open| open.document.frames.len());
+        let frame = frame.min(count.saturating_sub(1));
+        if frame == self.session.frame {
+            return;
+        }
+        self.commit_open_step();
+        self.session.frame = frame;
+        self.session.selected = None;
+        self.session.hover = None;
+        self.session.forget_placed();
+        self.session.mode = Mode::Idle;
+        self.session.retract(Command::AcceptAnyway);
+        self.session.doubted = None;
+    }
+
+    pub(super) fn step_frame(&mut self, by: isize) {
+        self.go_to(self.session.frame.saturating_add_signed(by));
+    }
+
+    pub(super) fn go_to_next(&mut self, forward: bool, wanted: impl Fn(&Frame) -> bool, none: &str) {
+        let Some(open) = &self.open else { return };
+        let (here, end) = (self.session.frame, open.document.frames.len());
+        // Past the end the search goes on from the other end.
+        let around = || {
+            if forward {
+                (0..here).find(|index| open.frame(*index).is_some_and(&wanted))
+            } else {
+                open.find(end, false, &wanted).filter(|frame| *frame > here)
+            }
+        };
+        match open.find(here, forward, &wanted).or_else(around) {
+            Some(frame) => self.go_to(frame),
+            None => self.session.notify(Level::Info, none),
+        }
+    }
+
+    /// Why the shown frame cannot be accepted, and what to do about it; none if it can.
+    #[must_use]
+    pub fn unacceptable(&self) -> Option<String> {
+        let frame = self.frame()?;
+        if self.session.video.picture_awaited {
+            return Some("The picture of this frame is still loading. Accept it once you have seen it.".to_owned());
+        }
+        if self.decides_about_base() {
+            return Some("An estimated base is shown. Use it or discard it first.".to_owned());
+        }
+        if let Some(unnamed) = frame.unnamed_click() {
+            return Some(format!("Point {} has no name. Name it (C) or delete it (Del), then accept.", unnamed + 1));
+        }
+        if frame.ptz.is_some() || self.current.solved().is_some() {
+            return None;
+        }
+        Some(match &self.current.solution {
+            Some(Err(error)) => format!("Nothing to accept: {error}."),
+            _ => "Nothing to accept yet. Click two points first, or reject the frame with X.".to_owned(),
+        })
+    }
+
+    pub(super) fn accept(&mut self, stay: bool) {
+        if let Some(reason) = self.unacceptable() {
+            self.session.notify(Level::Info, reason);
+            self.session.selected = self.frame().and_then(Frame::unnamed_click).or(self.session.selected);
+            return;
+        }
+        if self.asks_about_doubt(stay) {
+            return;
+        }
+        self.session.retract(Command::AcceptAnyway);
+        self.session.doubted = None;
+        // What comes next in the list is asked before this frame leaves it.
+        let listed = self.review.next(self.session.frame, true).filter(|_| self.session.panel == SidePanel::Review);
+        if self.begin("Accept") {
+            let solved = self.current.solved().cloned();
+            if let Some(frame) = self.frame_mut() {
+                if let (None, Some(solved)) = (&frame.ptz, &solved) {
+                    frame.record(solved);
+                }
+                frame.status = FrameStatus::Reference;
+                frame.reason = None;
+            }
+            self.record_paint();
+            self.commit();
+            self.carry_correction();
+            self.refresh_review();
+            let used_for_training = self.frame().is_some_and(Frame::is_used_for_training);
+            if let Some(open) = &mut self.open {
+                let counts = open.derived.counts(&open.document);
+                let text = just_accepted(counts, used_for_training);
+                self.session.notify(Level::Info, text);
+            }
+            match listed.filter(|_| !stay) {
+                Some(frame) => self.go_to(frame),
+                None if !stay => self.go_to_next_that_needs_me(true),
+                None => {}
+            }
+        }
+    }
+
+    /// Asks for the reason; a frame that is marked already loses the mark.
+    pub(super) fn ask_reject(&mut self, whole_shot: bool) {
+        let Some(frame) = self.frame() else { return };
+        if frame.status == FrameStatus::Rejected && !whole_shot {
+            if self.begin("Remove the mark") {
+                if let Some(frame) = self.frame_mut() {
+                    frame.status = frame.undecided();
+                    frame.reason = None;
+                }
+                self.commit();
+            }
+            return;
+        }
+        if whole_shot && frame.clip.is_none() {
+            self.session.notify(Level::Info, "This frame is not in a shot. X marks it alone.");
+            return;
+        }
+        self.session.mode = Mode::Rejecting { whole_shot };
+    }
+
+    pub(super) fn reject_as(&mut self, reason: RejectReason) {
+        let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
+        self.session.mode = Mode::Idle;
+        let in_list = self.session.panel == SidePanel::Review && !whole_shot;
+        let listed = self.review.next(self.session.frame, true).filter(|_| in_list);
+        let Some(frame) = self.frame() else { return };
+        let clip = frame.clip.clone();
+        let camera = frame.camera.clone();
+        let step = if whole_shot { "Mark shot as not calibratable" } else { "Mark as not calibratable" };
+        if !self.begin(step) {
+            return;
+        }
+        let index = self.session.frame;
+        if let Some(open) = &mut self.open {
+            for (other, frame) in open.document.frames.iter_mut().enumerate() {
+                if other == index || (whole_shot && frame.clip == clip && frame.camera == camera) {
+                    frame.status = FrameStatus::Rejected;
+                    frame.reason = Some(reason);
+                }
+            }
+        }
+        self.commit();
+        self.refresh_review();
+        match listed {
+            Some(frame) => self.go_to(frame),
+            None => self.go_to_next_that_needs_me(true),
+        }
+    }
+
+    pub(super) fn set_comment(&mut self, comment: &str) {
+        self.session.dialog = None;
+        if self.begin("Comment") {
+            if let Some(frame) = self.frame_mut() {
+                frame.comment = Some(comment.trim().to_owned()).filter(|comment| !comment.is_empty());
+            }
+            self.commit();
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Gold frames: marked, chosen, clicked again blind, and the click noise that follows.
+
+use super::App;
+use crate::app::GoldWork;
+use crate::app::reclick::{Asked, Reclick};
+use crate::app::session::{Level, Mode, PictureView};
+use crate::app::{Action, Command};
+use std::sync::LazyLock;
+use touchline_calibration::calibrate::{BulkChange, ENOUGH_REPEATS, choose_gold};
+use touchline_core::geometry::ImagePoint;
+use touchline_documents::document::{ClickNoise, EditKind, Repeat, Step};
+
+/// What is said of everything that would show the label, or lead away from it.
+pub(super) const IN_ROUND: &str = "A blind round is under way: end it first (Esc).";
+
+impl App {
+    /// The blind round, while there is one.
+    #[must_use]
+    pub const fn round(&self) -> Option<&Reclick> {
+        match &self.session.mode {
+            Mode::ClickingAgain(round) => Some(round),
+            _ => None,
+        }
+    }
+
+    /// What gold frames and their repeats say.
+    #[must_use]
+    pub fn gold(&self) -> &GoldWork {
+        static NOTHING: LazyLock<GoldWork> = LazyLock::new(GoldWork::default);
+        self.open.as_ref().map_or(&NOTHING, |open| open.derived.last_gold())
+    }
+
+    /// Whether an action would break a blind round; says so.
+    pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
+        let breaks = self.round().is_some() && !action.kind().is_blind();
+        if breaks {
+            self.session.notify(Level::Info, IN_ROUND);
+        }
+        breaks
+    }
+
+    /// Brings up to date what gold frames and their repeats say.
+    pub(super) fn refresh_gold(&mut self) {
+        if let Some(open) = &mut self.open {
+            open.derived.gold(&open.document);
+        }
+    }
+
+    pub(super) fn toggle_gold(&mut self) {
+        let Some(frame) = self.frame() else { return };
+        let gold = !frame.gold;
+        if let Some(reason) = frame.why_not_gold().filter(|_| gold) {
+            self.session.notify(Level::Info, reason);
+            return;
+        }
+        let step = if gold { "Mark as gold" } else { "Remove the gold mark" };
+        if self.begin(step) {
+            if let Some(frame) = self.frame_mut() {
+                frame.gold = gold;
+            }
+            self.commit();
+        }
+    }
+
+    /// Makes the references gold that the program chose: one step of undo.
+    pub(super) fn choose_gold(&mut self) {
+        let Some(open) = &self.open else { return };
+        let chosen = choose_gold(&open.document);
+        let count = match chosen.len() {
+            1 => "1 frame is gold now".to_owned(),
+            count => format!("{count} frames are gold now"),
+        };
+        if self.begin_step(Step::on_document("Choose gold frames")) {
+            if let Some(open) = &mut self.open {
+                for index in chosen {
+                    if let Some(frame) = open.document.frames.get_mut(index) {
+                        frame.gold = true;
+                    }
+                }
+            }
+            self.commit();
+            let text =
+                format!("{count}. Click them again once you no longer remember the labels, tomorrow for example.");
+            self.session.notify_with(Level::Info, text, [("Click again", Command::ClickAgain)]);
+        }
+    }
+
+    /// Begins a blind round, or ends the one that is under way.
+    pub(super) fn click_again(&mut self) {
+        if self.round().is_some() {
+            self.end_round();
+            return;
+        }
+        let Some(open) = &self.open else { return };
+        if let Some(reason) = &open.read_only {
+            let text = format!("Nothing can be changed here: {reason}");
+            self.session.notify(Level::Warning, text);
+            return;
+        }
+        let round = Reclick::of(&open.document);
+        if round.is_empty() {
+            let text = "No frame is gold. Mark a few references, or let the program choose them.";
+            self.session.notify_with(Level::Info, text, [("Choose them", Command::ChooseGold)]);
+            return;
+        }
+        if open.history.is_open() {
+            self.commit();
+        }
+        self.session.selected = None;
+        self.session.forget_placed();
+        self.session.next_on_line = false;
+        self.session.masks = false;
+        self.session.held = crate::app::session::Held::default();
+        self.session.quality.open = false;
+        self.session.view = PictureView::Fit;
+        self.session.mode = Mode::ClickingAgain(round);
+        self.show_asked();
+    }
+
+    /// Shows the frame that is asked for; at the end of the round, ends it.
+    fn show_asked(&mut self) {
+        match self.round().map(|round| round.asked().cloned()) {
+            Some(Some(Asked { frame, .. })) if frame != self.session.frame => {
+                self.session.frame = frame;
+                self.session.hover = None;
+                self.session.view = PictureView::Fit;
+            }
+            Some(None) => self.end_round(),
+            _ => {}
+        }
+    }
+
+    fn round_mut(&mut self) -> Option<&mut Reclick> {
+        match &mut self.session.mode {
+            Mode::ClickingAgain(round) => Some(round),
+            _ => None,
+        }
+    }
+
+    /// The button went down or the pointer moved with it down: the click follows within the picture.
+    pub(super) fn hold_again(&mut self, at: ImagePoint, began: bool) {
+        let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
+        if !at.is_finite() || (began && !size.contains(at)) {
+            return;
+        }
+        if let Some(round) = self.round_mut().filter(|round| began || round.held.is_some()) {
+            let (width, height) = (f64::from(size.width), f64::from(size.height));
+            round.held = Some(ImagePoint::new(at.x.clamp(0.0, width), at.y.clamp(0.0, height)));
+        }
+    }
+
+    /// The button went up: the click is kept, and the next landmark is asked for.
+    pub(super) fn release_again(&mut self) {
+        let Some(round) = self.round_mut() else { return };
+        let Some((at, asked)) = round.held.take().zip(round.asked().cloned()) else { return };
+        let number = round.round;
+        let step = self.step_at(self.step_again(&asked), asked.frame);
+        if !self.begin_step(step) {
+            return;
+        }
+        let time = self.clock.map(|clock| format!("{:.0}", clock()));
+        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
+            frame.repeats.push(Repeat { at: time, ..Repeat::new(asked.landmark, at, number) });
+        }
+        self.commit();
+        if let Some(round) = self.round_mut() {
+            round.take_click();
+        }
+        self.show_asked();
+    }
+
+    pub(super) fn skip_again(&mut self) {
+        if let Some(round) = self.round_mut() {
+            round.skip();
+            self.show_asked();
+        }
+    }
+
+    /// Takes back the last click of the round and asks for it again.
+    pub(super) fn undo_again(&mut self) {
+        let Some(round) = self.round_mut() else { return };
+        if round.held.take().is_some() {
+            return;
+        }
+        if round.clicked() == 0 {
+            self.session.notify(Level::Info, "No points have been clicked again yet.");
+            return;
+        }
+        round.go_back();
+        let (asked, number) = (round.asked().cloned(), round.round);
+        if let Some(asked) = asked {
+            self.take_back_again(&asked, number);
+        }
+        self.show_asked();
+    }
+
+    /// Takes back the click of a landmark in this round: the last step, unless something else has become that meanwhile.
+    fn take_back_again(&mut self, asked: &Asked, round: u32) {
+        let step = self.step_at(self.step_again(asked), asked.frame);
+        let Some(open) = &mut self.open else { return };
+        if open.history.next_undo() == Some(&step) {
+            open.undo(true);
+            self.journal(&format!("Undone: {}", step.name), EditKind::Undone);
+            return;
+        }
+        let name = format!("Take back: {}", step.name);
+        if !self.begin_step(self.step_at(name, asked.frame)) {
+            return;
+        }
+        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
+            let is_it = |repeat: &Repeat| repeat.landmark == asked.landmark && repeat.round == round;
+            if let Some(last) = frame.repeats.iter().rposition(is_it) {
+                frame.repeats.remove(last);
+            }
+        }
+        self.commit();
+    }
+
+    fn step_again(&self, asked: &Asked) -> String {
+        let target = touchline_documents::document::Target::Landmark(asked.landmark.clone());
+        format!("Click {} again", self.label(&target))
+    }
+
+    /// Ends the round; what was clicked stays.
+    pub(super) fn end_round(&mut self) {
+        let Some(clicked) = self.round().map(Reclick::clicked) else { return };
+        self.session.mode = Mode::Idle;
+        self.refresh_gold();
+        let (text, offer) = self.describe_round(clicked);
+        self.session.notify_with(Level::Info, text, offer);
+    }
+
+    fn describe_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
+        let own = &self.gold().own;
+        let clicked = match clicked {
+            0 => return ("Nothing was clicked again.".to_owned(), None),
+            1 => "1 blind click is kept".to_owned(),
+            clicked => format!("{clicked} blind clicks are kept"),
+        };
+        match &own.noise {
+            Some(noise) if own.click_noise.is_some() => {
+                let [low, high] = noise.interval_95;
+                let text =
+                    format!("{clicked}. Your click noise is {:.2} px (95 %: {low:.2} to {high:.2}).", noise.sigma);
+                let offer = self.why_not(Command::UseOwnNoise).is_none();
+                (text, offer.then_some(("Use it", Command::UseOwnNoise)))
+            }
+            _ => (format!("{clicked}; after {} more your click noise can be used.", own.missing().max(1)), None),
+        }
+    }
+
+    /// The click noise that the document uses.
+    fn click_noise_in_use(&self) -> Option<ClickNoise> {
+        self.open.as_ref().and_then(|open| open.document.click_noise_in_use())
+    }
+
+    pub(super) fn why_not_own_noise(&self) -> Option<&'static str> {
+        /// Shown while the repeats are too few.
+        const TOO_FEW: &str = "At least 12 blind clicks of gold frames are needed.";
+        const { assert!(ENOUGH_REPEATS == 12, "the message names the number") };
+        match &self.gold().own.click_noise {
+            None => Some(TOO_FEW),
+            Some(noise) if self.click_noise_in_use().as_ref() == Some(noise) => Some("Your points already use it."),
+            Some(_) => None,
+        }
+    }
+
+    pub(super) fn why_not_usual_noise(&self) -> Option<&'static str> {
+        self.click_noise_in_use().is_none().then_some("Your points already use the usual click noise.")
+    }
+
+    /// From now on the clicks are weighted by the annotator's own click noise, as the repeats show it now.
+    pub(super) fn use_own_noise(&mut self) {
+        if let Some(noise) = self.gold().own.click_noise.clone() {
+            self.weight_clicks("Use my click noise", &noise);
+        }
+    }
+
+    /// The clicks are weighted by the usual click noise again; the annotator's stays in the document.
+    pub(super) fn use_usual_noise(&mut self) {
+        if let Some(noise) = self.click_noise_in_use() {
+            self.weight_clicks("Use the usual click noise", &ClickNoise { in_use: false, ..noise });
+        }
+    }
+
+    /// One step of undo: every frame that clicks solved is solved again.
+    fn weight_clicks(&mut self, step: &'static str, noise: &ClickNoise) {
+        let Some(open) = &self.open else { return };
+        let mut numbers = open.document.clone();
+        if let Err(error) = numbers.set_click_noise(noise) {
+            self.session.notify(Level::Warning, format!("The click noise cannot be stored: {error}."));
+            return;
+        }
+        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers))) {
+            self.session.retract(Command::UseOwnNoise);
+        }
+    }
+}

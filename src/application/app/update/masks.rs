@@ -1,0 +1,212 @@
+//! Masks: boxes whose pixels give no features, drawn by hand or found burned into the pictures.
+
+use super::App;
+use crate::app::choices::{MaskList, MaskScope, Scope};
+use crate::app::effect::Effect;
+use crate::app::session::{Level, SidePanel};
+use crate::app::{BurntInSearch, Command};
+use std::path::Path;
+use touchline_calibration::proposals::FoundMask;
+use touchline_core::geometry::PixelBox;
+use touchline_documents::document::{Document, Extra, Frame, MaskSource, RangedMask, Step};
+
+/// A mask smaller than this is taken for an accidental drag, px.
+const SMALLEST_MASK_PX: f64 = 3.0;
+
+impl App {
+    pub(super) fn add_mask(&mut self, of_camera: bool, mask: PixelBox) {
+        if !(mask.width >= SMALLEST_MASK_PX && mask.height >= SMALLEST_MASK_PX) {
+            return;
+        }
+        let step =
+            if of_camera { Step::on_document("Draw mask") } else { self.step_at("Draw mask", self.session.frame) };
+        self.change_masks(step, |document, shown| {
+            let frame = &mut document.frames[shown];
+            if !of_camera {
+                frame.masks.push(mask);
+                return;
+            }
+            let camera = frame.camera.clone();
+            if let Some(camera) = document.camera_mut(&camera) {
+                camera.masks.push(mask);
+            }
+        });
+    }
+
+    pub(super) fn remove_mask(&mut self, list: MaskList, index: usize) {
+        let step = match list {
+            MaskList::Frame => self.step_at("Remove mask", self.session.frame),
+            MaskList::Camera | MaskList::Ranged => Step::on_document("Remove mask"),
+        };
+        self.change_masks(step, |document, shown| {
+            take_mask(document, shown, list, index);
+        });
+    }
+
+    /// Why a mask of the shown frame cannot cover these frames; none if it can.
+    #[must_use]
+    pub fn why_not_scope(&self, scope: MaskScope) -> Option<&'static str> {
+        let of_video = self.frame().is_some_and(|frame| frame.video.is_some());
+        match scope {
+            MaskScope::Shot if self.frame().is_none_or(|frame| frame.clip.is_none()) => {
+                Some("This frame belongs to no shot.")
+            }
+            MaskScope::Selected if self.session.frames_selected.is_empty() => {
+                Some("No frames are selected: Shift-click the filmstrip.")
+            }
+            MaskScope::FromHere | MaskScope::UpToHere if !of_video => {
+                Some("Images have no order in time: select frames on the filmstrip instead.")
+            }
+            _ => None,
+        }
+    }
+
+    /// A mask covers other frames from now on: one step of undo.
+    pub(super) fn scope_mask(&mut self, list: MaskList, index: usize, scope: MaskScope) {
+        if let Some(reason) = self.why_not_scope(scope) {
+            self.session.notify(Level::Info, reason);
+            return;
+        }
+        let Some(open) = &self.open else { return };
+        let frames = match scope {
+            MaskScope::Shot => Scope::Shot.frames(open, &self.session),
+            MaskScope::Selected => Scope::Selected.frames(open, &self.session),
+            MaskScope::All | MaskScope::FromHere | MaskScope::UpToHere | MaskScope::Frame => vec![self.session.frame],
+        };
+        self.change_masks(Step::on_document("Change frames of mask"), |document, shown| {
+            if let Some(mask) = take_mask(document, shown, list, index) {
+                put_mask(document, shown, mask, scope, &frames);
+            }
+        });
+    }
+
+    fn change_masks(&mut self, step: Step, change: impl FnOnce(&mut Document, usize)) {
+        let shown = self.session.frame;
+        if self.frame().is_none() || !self.begin_step(step) {
+            return;
+        }
+        if let Some(open) = &mut self.open {
+            change(&mut open.document, shown);
+        }
+        self.commit();
+    }
+
+    /// Looks for burned-in graphics in the document that has just been opened.
+    pub(super) fn find_burnt_in(&mut self) {
+        if self.no_trainer().is_some() {
+            return;
+        }
+        let Some(open) = self.open.as_ref().filter(|open| open.document.frames.len() > 1) else { return };
+        self.effects.push(Effect::FindBurntIn(Box::new(BurntInSearch {
+            document: (*open.document).clone(),
+            file: open.file.clone(),
+            folder: open.folder.clone(),
+        })));
+    }
+
+    /// Asks what becomes of the graphics that were found.
+    pub(super) fn burnt_in_found(&mut self, file: &Path, found: Vec<FoundMask>) {
+        let Some(open) = self.open.as_ref().filter(|open| open.file == file) else { return };
+        // A mask may have been drawn while the search ran.
+        let is_new = |found: &FoundMask| {
+            let camera = open.document.camera(&found.camera);
+            let ranged = camera.into_iter().flat_map(|camera| camera.ranged_masks.iter().map(|mask| &mask.pixel_box));
+            let mut boxes = camera.into_iter().flat_map(|camera| &camera.masks).chain(ranged);
+            camera.is_some() && !boxes.any(|known| known.contains(found.mask.pixel_box.centre()))
+        };
+        let found: Vec<FoundMask> = found.into_iter().filter(is_new).collect();
+        if found.is_empty() {
+            return;
+        }
+        let text = match found.as_slice() {
+            [one] => {
+                let size = size(&one.mask.pixel_box);
+                format!("An area looks burned in ({size}). Keep it as a mask, out of training and proposals?")
+            }
+            more => format!("{} areas look burned in. Keep them as masks, out of training and proposals?", more.len()),
+        };
+        let offers = [("Keep", Command::KeepBurntIn), ("Change", Command::ChangeBurntIn)];
+        self.session.notify_with(Level::Question, text, offers);
+        self.session.burnt_in = found;
+    }
+
+    /// The graphics that were found become masks of their cameras: one step of undo.
+    pub(super) fn keep_burnt_in(&mut self) {
+        let found = std::mem::take(&mut self.session.burnt_in);
+        self.session.retract(Command::KeepBurntIn);
+        self.change_masks(Step::on_document("Mask burned-in graphics"), |document, _| {
+            for found in &found {
+                found.mask_in(document);
+            }
+        });
+    }
+
+    /// The same, and the masks can be changed.
+    pub(super) fn change_burnt_in(&mut self) {
+        self.keep_burnt_in();
+        self.session.masks = true;
+        self.session.panel = SidePanel::Camera;
+    }
+
+    /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of them.
+    #[must_use]
+    pub fn asked_masks(&self) -> Vec<PixelBox> {
+        let Some(frame) = self.frame().filter(|_| self.session.offers(Command::KeepBurntIn)) else { return Vec::new() };
+        let here = |found: &&FoundMask| found.camera == frame.camera && found.mask.covers(frame);
+        self.session.burnt_in.iter().filter(here).map(|found| found.mask.pixel_box).collect()
+    }
+}
+
+/// "312 × 48 px at 60, 40".
+fn size(area: &PixelBox) -> String {
+    format!("{:.0} × {:.0} px at {:.0}, {:.0}", area.width, area.height, area.x, area.y)
+}
+
+/// Takes a mask out of its list.
+fn take_mask(document: &mut Document, shown: usize, list: MaskList, index: usize) -> Option<RangedMask> {
+    let by_hand =
+        |pixel_box| RangedMask { pixel_box, from: None, to: None, source: MaskSource::ByHand, extra: Extra::new() };
+    let frame = document.frames.get_mut(shown)?;
+    if list == MaskList::Frame {
+        return (index < frame.masks.len()).then(|| by_hand(frame.masks.remove(index)));
+    }
+    let camera = frame.camera.clone();
+    let camera = document.camera_mut(&camera)?;
+    match list {
+        MaskList::Camera => (index < camera.masks.len()).then(|| by_hand(camera.masks.remove(index))),
+        MaskList::Ranged => (index < camera.ranged_masks.len()).then(|| camera.ranged_masks.remove(index)),
+        MaskList::Frame => None,
+    }
+}
+
+/// Writes a mask for some frames: with a range where they are of a video, else into each of them.
+fn put_mask(document: &mut Document, shown: usize, mask: RangedMask, scope: MaskScope, frames: &[usize]) {
+    let number = |frame: &Frame| frame.video.as_ref().map(|video| video.frame_index);
+    let Some(frame) = document.frames.get(shown) else { return };
+    let (here, camera) = (number(frame), frame.camera.clone());
+    let range = match scope {
+        MaskScope::All => Some((None, None)),
+        MaskScope::Frame => None,
+        MaskScope::FromHere => Some((here, mask.to.filter(|to| Some(*to) >= here))),
+        MaskScope::UpToHere => Some((mask.from.filter(|from| Some(*from) <= here), here)),
+        MaskScope::Shot | MaskScope::Selected => {
+            let numbers: Option<Vec<u64>> =
+                frames.iter().map(|&index| document.frames.get(index).and_then(|frame| number(frame))).collect();
+            numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))
+        }
+    };
+    let Some((from, to)) = range else {
+        for &index in frames {
+            if let Some(frame) = document.frames.get_mut(index) {
+                frame.masks.push(mask.pixel_box);
+            }
+        }
+        return;
+    };
+    let Some(camera) = document.camera_mut(&camera) else { return };
+    if (from, to, mask.source) == (None, None, MaskSource::ByHand) && mask.extra.is_empty() {
+        camera.masks.push(mask.pixel_box);
+    } else {
+        camera.ranged_masks.push(RangedMask { from, to, ..mask });
+    }
+}

@@ -1,0 +1,392 @@
+//! The only place that changes state: an action in, effects out.
+
+mod base;
+mod bulk;
+mod cameras;
+mod clicks;
+mod commands;
+mod document;
+mod doubt;
+mod frames;
+mod gold;
+mod guide;
+mod leaving;
+mod masks;
+mod naming;
+mod numbers;
+mod outside;
+mod paint;
+mod playing;
+mod points;
+mod proposals;
+mod quality;
+mod requests;
+mod review;
+mod settings;
+mod shots;
+mod sport;
+mod tour;
+mod trainer;
+mod transfer;
+
+pub use commands::MAX_SCALE;
+
+use super::action::Action;
+use super::current::{Current, FreshSolve};
+use super::effect::Effect;
+use super::quality::Quality;
+use super::review::Review;
+use super::session::{Dialog, Level, Mode, Saving};
+use super::{App, OpenProject, Settings};
+use touchline_calibration::calibrate::{CalibrationError, record_outcome};
+use touchline_core::solve::FrameSolution;
+use touchline_documents::document::{EditKind, Frame, FrameStatus, Frames, Step};
+
+impl App {
+    /// An application with nothing open.
+    #[must_use]
+    pub fn new(settings: Settings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
+    /// The same application, which writes down when people click again.
+    #[must_use]
+    pub fn with_clock(self, clock: fn() -> jiff::Timestamp) -> Self {
+        Self { clock: Some(clock), ..self }
+    }
+
+    /// The document that is open.
+    #[must_use]
+    pub const fn open(&self) -> Option<&OpenProject> {
+        self.open.as_ref()
+    }
+
+    /// The frame that is shown.
+    #[must_use]
+    pub fn frame(&self) -> Option<&Frame> {
+        self.open.as_ref()?.frame(self.session.frame)
+    }
+
+    /// The shown frame, solved.
+    #[must_use]
+    pub const fn current(&self) -> &Current {
+        &self.current
+    }
+
+    /// What waits to be looked at.
+    #[must_use]
+    pub const fn review(&self) -> &Review {
+        &self.review
+    }
+
+    /// What the quality page shows; nothing while it is closed.
+    #[must_use]
+    pub const fn quality(&self) -> &Quality {
+        &self.quality
+    }
+
+    /// Changes state; what the outside then has to do is returned in order.
+    pub fn update(&mut self, action: Action) -> Vec<Effect> {
+        let before = self.current.readiness;
+        let names_or_clicks = self.open.as_ref().map(|open| open.revision);
+        self.tell_tour(&action);
+        self.apply(action);
+        self.deliver_waiting_reports();
+        self.decide_camera_by_click();
+        self.finish_bulk();
+        self.finish_shot_search();
+        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
+        self.refresh_review();
+        self.refresh_accept_sheet();
+        self.quality.refresh(self.open.as_mut(), &self.session);
+        self.refresh_gold();
+        if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
+            self.tell_when_enough(before);
+        }
+        self.advance_tour();
+        self.watch_camera();
+        self.tell_trainer();
+        self.snap_points();
+        self.check_lines();
+        self.read_templates();
+        std::mem::take(&mut self.effects)
+    }
+
+    fn apply(&mut self, action: Action) {
+        if self.breaks_round(&action) {
+            return;
+        }
+        match action {
+            Action::Command(command) => self.command(command),
+            Action::Video(action) => self.video(action),
+            Action::Hold(command, down) => self.hold(command, down),
+            Action::Hover(at) => self.session.hover = at,
+            Action::Press { at, on } => {
+                self.session.video.playing = false;
+                self.press(at, on);
+            }
+            Action::Drag(to) => self.drag(to),
+            Action::Release => self.release(false),
+            Action::ReleaseExactly => self.release(true),
+            Action::Select(click) => self.select(click),
+            Action::Nudge { dx_px, dy_px, held } => self.nudge(dx_px, dy_px, held),
+            Action::View(view) => self.session.view = view,
+            Action::FitScale(scale) => self.session.fit_scale = scale,
+            Action::TypeName(typed) => self.type_name(typed),
+            Action::RefineName(typed) => self.refine_name(typed),
+            Action::ConfirmName => self.session.forget_placed(),
+            Action::HighlightName(index) => self.highlight_name(index),
+            Action::TakeName(index) => self.take_name(index),
+            Action::OfferLines(lines) => self.offer_lines(lines),
+            Action::Pick(target) => self.pick(target),
+            Action::Name { click, target } => self.name_click(click, target),
+            Action::DeleteClick(click) => self.delete_click(click),
+            Action::SetCheck { click, check } => self.set_check(click, check),
+            Action::GoTo(frame) => self.go_to(frame),
+            Action::SelectFrame { frame, how } => self.select_frame(frame, how),
+            Action::SelectNoFrames => self.session.frames_selected.clear(),
+            Action::AssignToCamera { scope, camera } => self.assign_to_camera(scope, &camera),
+            Action::AskCamera(scope) => self.session.dialog = Some(Dialog::AssignToCamera(scope)),
+            Action::RejectAs(reason) => self.reject_as(reason),
+            Action::SetComment(comment) => self.set_comment(&comment),
+            Action::SetFilter(filter) => self.session.filter = filter,
+            Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
+            Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
+            Action::RemoveMask { list, index } => self.remove_mask(list, index),
+            Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
+            Action::Snapped { ticket, result } => self.snapped(ticket, result),
+            Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
+            Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
+            Action::BeginEdit(name) => self.begin_edit(name),
+            Action::EditPtz(ptz) => self.edit_ptz(ptz),
+            Action::EditCamera(camera) => self.edit_camera(*camera),
+            Action::EditField(field) => self.edit_field(field),
+            Action::EndEdit => self.end_edit(),
+            Action::AbortEdit => self.abort(),
+            Action::SolveAgain => self.solve_again(),
+            Action::Proposals(proposals) => self.take_proposals(&proposals),
+            Action::CarriedProposals(carried) => self.take_carried(&carried),
+            Action::Trainer(status) => self.trainer_reported(*status),
+            Action::Features(used) => self.session.trainer.features = Some(*used),
+            Action::HoldReview(held) => self.session.review.held = held,
+            Action::SetReviewOrder(order) => self.session.review.order = order,
+            Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
+            Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
+            Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
+            Action::TickSuggestion { frame, ticked } => self.tick_suggestion(frame, ticked),
+            Action::AcceptAll => self.accept_all(),
+            Action::SetUseForTraining { frame, used } => self.set_use_for_training(frame, used),
+            Action::SetQualityCamera(camera) => self.set_quality_camera(camera),
+            Action::SetTimeAxis(axis) => self.set_time_axis(axis),
+            Action::ShowSpan(span) => self.show_span(span),
+            Action::LookAt { frame, click } => self.look_at(frame, click),
+            Action::BaseProgress(progress) => self.base_progress(progress),
+            Action::BaseEstimated(found) => self.base_estimated(found),
+            Action::Report(report) => self.receive(report),
+            Action::Transfer(action) => self.transfer(action),
+            Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
+            Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
+            Action::UseForBase { frame, used } => self.use_for_base(frame, used),
+            Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
+            Action::Compare(with) => self.compare(with),
+            Action::SetOverlayStyle(_)
+            | Action::SetTheme(_)
+            | Action::SetLineColour(..)
+            | Action::SetLoupe(_)
+            | Action::SetPictureMemory(_)
+            | Action::SetPictureLook(_)
+            | Action::SetTextSize(_)
+            | Action::SetPanelSizes { .. } => self.set_setting(&action),
+            Action::ChooseSport(template) => self.choose_sport(&template),
+            Action::AssignKey(command, chord) => self.assign_key(command, chord),
+            Action::ResetKeys => {
+                self.settings.keys.reset();
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::SetDetails(shown) => {
+                self.settings.details = shown;
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::CloseDialog => self.close_dialog(),
+            Action::ShowGuidePage(page) => self.show_guide_page(page),
+            Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
+            Action::Notify(level, text) => self.session.notify(level, text),
+            Action::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
+            Action::Answer(question, path) => self.answer(question, path),
+            Action::Open(path) => self.open_path(path),
+            Action::Progress(text) => {
+                if self.session.opening.is_some() {
+                    self.session.opening = Some(text);
+                }
+            }
+            Action::Opened(opened) => self.opened(*opened),
+            Action::AlreadyOpen(file) => {
+                self.session.opening = None;
+                if self.tour_waits {
+                    self.begin_waiting_tour();
+                } else {
+                    self.session.notify(Level::Info, format!("{} is already open.", file.display()));
+                }
+            }
+            Action::Failed(message) => {
+                self.session.opening = None;
+                self.tour_waits = false;
+                self.session.notify(Level::Error, message);
+            }
+            Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
+            Action::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
+            Action::CameraLoaded(camera) => self.camera_loaded(&camera),
+            Action::Saved { revision, at, document } => self.saved(revision, at, document),
+            Action::SaveFailed(message) => self.save_failed(message),
+            Action::Copied(path) => {
+                self.session.copies.written = self.session.copies.begun.take();
+                self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
+            }
+            Action::WholeWanted => self.journal_whole(),
+            Action::ChangedOutside { path, own } => self.changed_outside(path, own),
+            Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
+            Action::ResolveOutside(choice) => self.resolve_outside(choice),
+            Action::Outside(outside) => self.merge_outside(&outside),
+            Action::MergeOrphan(orphan) => self.effects.push(Effect::ReadOrphan { orphan }),
+            Action::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
+            Action::SaveOrphan(orphan) => self.effects.push(Effect::SaveOrphan { orphan }),
+            Action::OrphanSaved { document } => {
+                self.session.notify(
+                    Level::Info,
+                    format!("The edits were saved as a separate document: {}", document.display()),
+                );
+            }
+            Action::OrphanPutAway { orphan, renamed } => self.orphan_put_away(&orphan, &renamed),
+            Action::LeaveUnsaved => self.leave_unsaved(),
+            Action::CloseRequested => self.close_requested(),
+        }
+    }
+
+    /// Opens a step of undo on the shown frame; false (and said so) if nothing can be changed.
+    pub(super) fn begin(&mut self, name: impl Into<String>) -> bool {
+        self.begin_step(self.step_at(name, self.session.frame))
+    }
+
+    /// A step of undo on the frame at a position.
+    pub(super) fn step_at(&self, name: impl Into<String>, position: usize) -> Step {
+        let frame = self.open.as_ref().and_then(|open| open.frame(position)).map(|frame| frame.id.clone());
+        Step { name: name.into(), frame }
+    }
+
+    pub(super) fn begin_step(&mut self, step: Step) -> bool {
+        if self.refuses_changes() {
+            return false;
+        }
+        self.commit_open_step();
+        let Some(open) = &mut self.open else { return false };
+        open.begin(step);
+        true
+    }
+
+    /// Whether nothing can be changed; says so.
+    pub(super) fn refuses_changes(&mut self) -> bool {
+        let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else { return false };
+        let text = format!("Nothing can be changed here: {reason}");
+        self.session.notify(Level::Warning, text);
+        true
+    }
+
+    /// Closes the step of undo; what changed goes into the journal.
+    pub(super) fn commit(&mut self) {
+        self.follow_base();
+        self.close_step();
+    }
+
+    /// Commits the step that is open, if one is: what was begun does not go on across what comes next.
+    pub(super) fn commit_open_step(&mut self) {
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+            self.commit();
+        }
+    }
+
+    /// [`Self::commit`] for a step in which the frames follow their cameras already.
+    pub(super) fn close_step(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
+        let kind = open.history.open_kind();
+        open.commit();
+        // Even where it is no step: one that was gone on with may have come back to where it began.
+        self.journal(&name, kind);
+    }
+
+    /// Gives the open step of undo up, and whatever was begun.
+    fn abort(&mut self) {
+        if let Some(open) = &mut self.open {
+            open.abort();
+        }
+        self.session.mode = Mode::Idle;
+        self.clamp_selection();
+    }
+
+    /// Gives the saver the document with its history in place of what it knows.
+    fn journal_whole(&mut self) {
+        let Some(open) = &self.open else { return };
+        let document = Box::new(open.journalled.shown().clone());
+        let history = Box::new(open.history.committed());
+        self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
+    }
+
+    /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
+    fn journal(&mut self, name: &str, kind: EditKind) {
+        let Some(open) = &mut self.open else { return };
+        if let Some(edit) = open.take_edit(name, kind) {
+            if !matches!(self.session.saving, Saving::Failed { .. }) {
+                self.session.saving = Saving::Pending;
+            }
+            self.effects.push(Effect::Journal { edit, revision: open.revision });
+        }
+    }
+
+    /// The shown frame, to change it within a step.
+    fn frame_mut(&mut self) -> Option<&mut Frame> {
+        let index = self.session.frame;
+        self.open.as_mut()?.document.frames.get_mut(index).map(|frame| &mut **frame)
+    }
+
+    /// Solves the shown frame anew after its clicks changed, within a step.
+    fn clicks_changed(&mut self) {
+        let index = self.session.frame;
+        let Some(open) = &mut self.open else { return };
+        let result = solve_in_place(open, index);
+        if let Some(frame) = open.document.frames.get_mut(index)
+            && !matches!(frame.status, FrameStatus::Rejected)
+        {
+            frame.status = frame.undecided();
+        }
+        self.fresh = result.map(|result| FreshSolve { frame: index, version: open.document.version(), result });
+    }
+
+    fn refresh_review(&mut self) {
+        // The list must not change during a drag.
+        if self.open.as_ref().is_none_or(|open| !open.history.is_open()) {
+            self.review.refresh(self.open.as_mut(), &self.session);
+        }
+    }
+
+    /// Shows and selects the same frames as before, after frames came or went. Where the shown one went, its neighbour is shown.
+    fn follow_frames(&mut self, before: &Frames) {
+        let Some(open) = &self.open else { return };
+        let now = &open.document.frames;
+        let place_now = |place: usize| now.position_of(&before.get(place)?.id);
+        let last = now.len().saturating_sub(1);
+        self.session.frame = place_now(self.session.frame).unwrap_or_else(|| self.session.frame.min(last));
+        self.session.frames_selected = self.session.frames_selected.iter().copied().filter_map(place_now).collect();
+    }
+
+    fn clamp_selection(&mut self) {
+        let clicks = self.frame().map_or(0, |frame| frame.clicks.len());
+        self.session.selected = self.session.selected.filter(|selected| *selected < clicks);
+    }
+}
+
+/// Writes what a frame's clicks say into the frame: see [`record_outcome`]. None where there is nothing to solve with.
+fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
+    let solved = open.solve(index)?;
+    record_outcome(open.document.frames.get_mut(index)?, solved.as_ref());
+    Some(solved)
+}

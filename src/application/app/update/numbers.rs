@@ -1,0 +1,243 @@
+//! Editing numbers: pan, tilt, focal length, the camera, the field.
+
+use super::{App, solve_in_place};
+use crate::app::session::{Level, Mode};
+use crate::app::{Command, OpenProject};
+use touchline_calibration::calibrate::{BulkChange, is_by_clicks};
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_documents::document::{
+    Camera, CameraId, FieldSize, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step,
+};
+
+impl App {
+    /// Opens a step of undo that a row of edits belongs to.
+    pub(super) fn begin_edit(&mut self, name: &'static str) {
+        if self.begin(name) {
+            self.session.mode = Mode::Editing;
+        }
+    }
+
+    /// Opens a step of its own for an edit that none was opened for.
+    fn within_edit(&mut self, step: Step, change: impl FnOnce(&mut Self)) {
+        if self.session.mode == Mode::Editing {
+            change(self);
+        } else if self.begin_step(step) {
+            change(self);
+            self.session.mode = Mode::Editing;
+            self.end_edit();
+        }
+    }
+
+    pub(super) fn edit_ptz(&mut self, ptz: Ptz) {
+        if !ptz.is_finite() {
+            return;
+        }
+        let step = self.step_at("Set numbers manually", self.session.frame);
+        self.within_edit(step, |app| {
+            let base = app.current.base;
+            let Some(frame) = app.frame_mut() else { return };
+            let lens = match (base, &frame.ptz) {
+                (Some(base), _) if base.distortion.slope_per_px() != 0.0 => Some(PtzCamera::new(base, ptz).lens()),
+                (_, Some(before)) => before.lens(),
+                _ => None,
+            };
+            let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
+            frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
+            frame.solution = Some(Solution { source: Some(SolutionSource::Manual), ..Solution::default() });
+            if frame.status != FrameStatus::Rejected {
+                frame.status = FrameStatus::Draft;
+            }
+        });
+    }
+
+    pub(super) fn edit_camera(&mut self, camera: Camera) {
+        if camera.position_m.is_some() != camera.base_from_world.is_some() && self.session.mode != Mode::Editing {
+            self.session.notify(Level::Info, "A base needs both a position and a rotation.");
+        }
+        let step = Step::on_document("Change camera");
+        self.within_edit(step, |app| {
+            let Some(open) = &mut app.open else { return };
+            if let Some(known) = open.document.camera_mut(&camera.id) {
+                *known = camera;
+            }
+            // The shown frame follows at once, the others when the edit ends.
+            solve_if_by_clicks(open, app.session.frame);
+        });
+    }
+
+    pub(super) fn edit_field(&mut self, field: FieldSpec) {
+        self.within_edit(Step::on_document("Change field"), |app| {
+            let shown = app.session.frame;
+            let Some(open) = &mut app.open else { return };
+            let camera = open.frame(shown).map(|frame| frame.camera.clone());
+            let own = camera.and_then(|camera| open.document.camera_mut(&camera)?.field.as_mut());
+            match own {
+                Some(own) => *own = field,
+                None => open.document.field = field,
+            }
+            solve_if_by_clicks(open, shown);
+        });
+    }
+
+    /// Ends a row of edits. If a camera or the field changed, every frame that clicks solved is solved again.
+    pub(super) fn end_edit(&mut self) {
+        if self.session.mode != Mode::Editing {
+            return;
+        }
+        self.session.mode = Mode::Idle;
+        let changed = self.open.as_ref().and_then(|open| {
+            let before = open.history.before()?;
+            let same_field = before.field.is_same_field(&open.document.field);
+            (before.cameras != open.document.cameras || !same_field).then(|| open.document.clone())
+        });
+        let step = self.open.as_ref().and_then(|open| open.history.open_step().cloned());
+        match (changed, step) {
+            (Some(numbers), Some(step)) => {
+                // Begun anew from the document before: what the shown frame followed is part of the whole change.
+                self.abort();
+                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)));
+            }
+            _ => self.commit(),
+        }
+    }
+
+    /// The size of the shown frame's field is known to be right.
+    pub(super) fn confirm_field_size(&mut self) {
+        let Some(spec) = self.shown_field_spec().cloned() else { return };
+        if spec.assumed_size().is_none() || !self.begin_step(Step::on_document("Confirm field size")) {
+            return;
+        }
+        self.session.mode = Mode::Editing;
+        self.edit_field(FieldSpec { size: Some(FieldSize::Confirmed), ..spec });
+        self.end_edit();
+        self.session.retract(Command::ConfirmFieldSize);
+    }
+
+    /// Which field the shown frame has, by the document; the document's where there is no frame.
+    #[must_use]
+    pub fn shown_field_spec(&self) -> Option<&FieldSpec> {
+        let open = self.open.as_ref()?;
+        Some(self.frame().map_or(&open.document.field, |frame| open.document.field_of(frame)))
+    }
+
+    /// Says that the size of the field is assumed, with the way out.
+    pub(in crate::app) fn tell_assumed_size(&mut self) {
+        if let Some(told) = self.shown_field_spec().and_then(FieldSpec::describe_assumed_size) {
+            self.session.notify_with(Level::Info, told, [("Confirm", Command::ConfirmFieldSize)]);
+        }
+    }
+
+    /// Clicks decide again, instead of numbers by hand.
+    pub(super) fn solve_again(&mut self) {
+        if self.begin("Solve again") {
+            if let Some(frame) = self.frame_mut() {
+                frame.solution = None;
+            }
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    /// Uses the other focal length that fits two clicks.
+    pub(super) fn switch_root(&mut self) {
+        let Some(other) = self.current.other_root() else {
+            self.session.notify(Level::Info, "Only one focal length fits these points.");
+            return;
+        };
+        self.edit_ptz(other);
+    }
+
+    /// The base of another document's camera becomes this camera's; its frames are solved with it.
+    pub(super) fn camera_loaded(&mut self, loaded: &Camera) {
+        let Some(known) = self.frame().map(|frame| frame.camera.clone()) else { return };
+        let Some(camera) = self.open.as_ref().and_then(|open| open.document.camera(&known)) else { return };
+        let Some(adopted) = adopt(camera, loaded) else {
+            self.session.notify(Level::Warning, format!("Camera {:?} has no base.", loaded.id.as_str()));
+            return;
+        };
+        self.edit_camera(adopted);
+        self.session.notify(Level::Info, format!("Camera base loaded from {:?}.", loaded.id.as_str()));
+    }
+
+    /// The camera of the shown frame.
+    #[must_use]
+    pub fn camera_id(&self) -> Option<&CameraId> {
+        self.frame().map(|frame| &frame.camera)
+    }
+}
+
+/// A camera with another one's base; numbers in px follow if the pictures differ in size.
+fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
+    let mut base = loaded.base()?;
+    let scale = f64::from(camera.image_size.width) / f64::from(loaded.image_size.width.max(1));
+    if camera.image_size != loaded.image_size {
+        base.principal_point.x *= scale;
+        base.principal_point.y *= scale;
+        base.distortion.at_focal_px *= scale;
+        base.distortion.per_1000_px /= scale;
+    }
+    let mut adopted = camera.clone();
+    adopted.set_base(&base);
+    let unmasked = adopted.masks.is_empty() && adopted.ranged_masks.is_empty();
+    if unmasked && camera.image_size == loaded.image_size {
+        adopted.masks.clone_from(&loaded.masks);
+        adopted.ranged_masks.clone_from(&loaded.ranged_masks);
+    }
+    Some(adopted)
+}
+
+/// Solves a frame again if its camera comes from clicks, or would have if there had been a base.
+fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
+    if open.frame(index).is_some_and(is_by_clicks) {
+        solve_in_place(open, index);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::transfer::{TransferAction, UnderWay};
+    use crate::app::{Action, Opened, Settings};
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, Frame};
+
+    fn app(own_field: bool) -> App {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.field = own_field.then(|| FieldSpec::new("basketball_fiba"));
+        document.cameras.push(camera.into());
+        document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app
+    }
+
+    #[test]
+    fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
+        for own_field in [false, true] {
+            let mut app = app(own_field);
+            app.session.transfer.under_way = Some(UnderWay { ticket: 1, revision: 0, writes: true, pictures: None });
+            app.update(Action::Transfer(TransferAction::Written { ticket: 1, result: Ok("written".to_owned()) }));
+            let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
+            assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
+            app.update(Action::Command(Command::ConfirmFieldSize));
+            assert_eq!((app.shown_field_spec().unwrap().assumed_size(), offers(&app)), (None, 0));
+            assert!(app.why_not(Command::ConfirmFieldSize).is_some());
+            let document = &app.open().unwrap().document;
+            assert_eq!(document.field.size.is_none(), own_field, "only the field that is shown");
+            app.update(Action::Command(Command::Undo));
+            assert!(app.shown_field_spec().unwrap().assumed_size().is_some());
+        }
+    }
+
+    #[test]
+    fn a_number_changes_the_field_that_the_camera_looks_at() {
+        let mut app = app(true);
+        let mut spec = app.shown_field_spec().unwrap().clone();
+        spec.params.insert("length_m".to_owned(), 26.0);
+        app.update(Action::EditField(spec.clone()));
+        let document = &app.open().unwrap().document;
+        assert_eq!((document.cameras[0].field.as_ref(), document.field.params.len()), (Some(&spec), 0));
+    }
+}

@@ -1,0 +1,180 @@
+//! Another program's version of the document, and edits of other versions: joined with what is open, or kept apart.
+
+use super::App;
+use crate::app::Command;
+use crate::app::OutsideChoice;
+use crate::app::effect::Effect;
+use crate::app::session::{Dialog, Level, Mode};
+use std::path::{Path, PathBuf};
+use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
+use touchline_core::field::FieldError;
+use touchline_documents::document::{Document, Frame, Merged, Step, merge};
+use touchline_documents::store::{Orphan, OrphanEdits, Outside};
+
+/// Conflicts that are named; the rest is counted.
+const NAMED: usize = 3;
+
+/// What is merged into the document.
+#[derive(Clone, Copy)]
+enum MergeOf {
+    /// The version that another program wrote.
+    Outside,
+    /// Edits that were set aside.
+    SetAside,
+}
+
+impl MergeOf {
+    /// How undo calls it.
+    const fn step(self) -> &'static str {
+        match self {
+            Self::Outside => "Merge another program's changes",
+            Self::SetAside => "Merge edits that were set aside",
+        }
+    }
+
+    /// What is said before the names of what both sides changed.
+    const fn describe_conflicts(self) -> &'static str {
+        match self {
+            Self::Outside => "Changed on both sides, your version is kept",
+            Self::SetAside => "Changed on both sides",
+        }
+    }
+}
+
+impl App {
+    /// Another program wrote the document. Asked once, and whenever the document is to be left; the row at the top keeps saying it.
+    /// What the window holds is among the edits that are set aside until somebody decides.
+    pub(super) fn changed_outside(&mut self, path: PathBuf, own: Option<Orphan>) {
+        let is_leaving = self.stay().is_some();
+        if self.session.changed_outside.replace(path).is_none() || is_leaving {
+            self.session.dialog = Some(Dialog::ChangedOutside);
+        }
+        if let Some(own) = own {
+            self.session.orphans.retain(|orphan| orphan.path != own.path);
+            self.session.own_version = Some(own.path.clone());
+            self.session.orphans.push(own);
+        }
+    }
+
+    pub(super) fn resolve_outside(&mut self, choice: OutsideChoice) {
+        self.session.dialog = None;
+        let Some(open) = &self.open else { return };
+        match choice {
+            OutsideChoice::Merge => self.effects.push(Effect::ReadOutside),
+            OutsideChoice::Replace => self.effects.push(Effect::SaveOver),
+            OutsideChoice::TakeTheirs => {
+                self.session.opening = Some("Opening the other version…".to_owned());
+                self.effects.push(Effect::Reopen(open.file.clone()));
+            }
+        }
+    }
+
+    /// Joins another program's changes with those made here; its version is set aside all the same.
+    pub(super) fn merge_outside(&mut self, outside: &Outside) {
+        let Some(open) = &self.open else { return };
+        let merged = merge(&outside.base, &open.document, &outside.theirs);
+        if self.take_merged(merged, Some(&outside.theirs), MergeOf::Outside) {
+            self.effects.push(Effect::SaveOver);
+        }
+    }
+
+    /// Says what was set aside beside the document.
+    pub(super) fn tell_orphans(&mut self) {
+        let count: usize = self.session.orphans.iter().map(|orphan| orphan.edits.len()).sum();
+        if count > 0 {
+            let edits = if count == 1 { "1 edit".to_owned() } else { format!("{count} edits") };
+            let text = format!("{edits} of another version of this document are set aside.");
+            self.session.notify_with(Level::Warning, text, [("Look at them", Command::Orphans)]);
+        }
+    }
+
+    /// Joins edits that were set aside with the document.
+    pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
+        let Some(open) = &self.open else { return };
+        let merged = edits.merged_into(&open.document);
+        if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {
+            self.effects.push(Effect::PutOrphanAway { orphan });
+        }
+    }
+
+    pub(super) fn orphan_put_away(&mut self, orphan: &Path, renamed: &Path) {
+        self.session.orphans.retain(|known| known.path != orphan);
+        if self.session.orphans.is_empty() && self.session.dialog == Some(Dialog::Orphans) {
+            self.session.dialog = None;
+        }
+        self.session.notify(Level::Info, format!("The edits are merged; their file is now {}.", renamed.display()));
+    }
+
+    /// Makes a joined document the open one, as one step of undo; the shown frame stays the same. Frames that the other side
+    /// solved on another base are solved again. What gave way is named.
+    fn take_merged(&mut self, merged: Merged, theirs: Option<&Document>, of: MergeOf) -> bool {
+        let shown = self.frame().map(Frame::name);
+        if !self.begin_step(Step::on_document(of.step())) {
+            return false;
+        }
+        let Some(open) = &mut self.open else { return false };
+        let ours = open.document.clone();
+        let Merged { mut document, conflicts } = merged;
+        let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
+        let solved = solve_after_merge(&mut document, &sides, &open.folder);
+        let replaced = replaced_labels(&ours, &document);
+        *open.document = document;
+        let place = open.document.frames.iter().position(|frame| Some(frame.name()) == shown);
+        let last = open.document.frames.len().saturating_sub(1);
+        self.session.frame = place.unwrap_or(self.session.frame.min(last));
+        self.session.mode = Mode::Idle;
+        self.session.selected = None;
+        self.session.frames_selected.clear();
+        // The frames follow their cameras already.
+        self.close_step();
+        self.tell_merged(of, solved, &conflicts, &replaced);
+        true
+    }
+
+    /// Says what a merge did, and offers to take it back.
+    fn tell_merged(
+        &mut self,
+        of: MergeOf,
+        solved: Result<SolvedAfterMerge, FieldError>,
+        conflicts: &[String],
+        replaced: &[String],
+    ) {
+        let mut sentences = vec!["Both versions are merged.".to_owned()];
+        let mut level = Level::Info;
+        if !conflicts.is_empty() {
+            sentences.push(format!("{}: {}.", of.describe_conflicts(), name_some(conflicts)));
+            level = Level::Warning;
+        }
+        if !replaced.is_empty() {
+            sentences.push(format!("Taken from the other version: {}.", name_some(replaced)));
+            level = Level::Warning;
+        }
+        match solved {
+            Ok(SolvedAfterMerge { solved: 0, withdrawn, .. }) => self.tell_withdrawn(withdrawn),
+            Ok(SolvedAfterMerge { solved, withdrawn, .. }) => {
+                let frames = if solved == 1 { "frame" } else { "frames" };
+                sentences.push(format!("Solved again on the merged base or field: {solved} {frames}."));
+                self.tell_withdrawn(withdrawn);
+            }
+            Err(error) => {
+                sentences.push(format!("Frames of another base were not solved again: {error}."));
+                level = Level::Warning;
+            }
+        }
+        self.session.notify_with(level, sentences.join(" "), [("Undo", Command::Undo)]);
+    }
+}
+
+/// The frames in which a merge put something else in place of what a person made, or that it removed.
+fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
+    let replaced = before.frames.iter().filter(|frame| frame.gives_way_in(now));
+    replaced.map(|frame| frame.name()).collect()
+}
+
+/// The first of some names; the rest is counted.
+fn name_some(names: &[String]) -> String {
+    let named = &names[..names.len().min(NAMED)];
+    let more = names.len() - named.len();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    named.join(", ") + &more
+}

@@ -1,0 +1,147 @@
+//! Reviewing proposals: the order, accepting several together, what is used for training.
+
+use super::App;
+use crate::app::Command;
+use crate::app::progress::ALL_DONE;
+use crate::app::review::{AcceptSheet, BulkAccept};
+use crate::app::session::{Dialog, Level, SidePanel, is_to_do};
+use std::sync::Arc;
+use touchline_documents::document::{Frame, FrameStatus, Step};
+
+impl App {
+    /// Opens a panel on the right-hand side, or goes back to the frame.
+    pub(super) fn toggle_panel(&mut self, panel: SidePanel) {
+        let behind_page = std::mem::take(&mut self.session.quality.open);
+        let is_shown = self.session.panel == panel && !behind_page;
+        self.session.panel = if is_shown { SidePanel::Frame } else { panel };
+    }
+
+    /// Goes to the next frame that somebody has to look at: along the review panel's list while it is open.
+    pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
+        let listed = self.review.next(self.session.frame, forward).filter(|_| self.session.panel == SidePanel::Review);
+        match listed {
+            Some(frame) => self.go_to(frame),
+            None => self.go_to_next(forward, is_to_do, ALL_DONE),
+        }
+    }
+
+    /// Goes to the frame whose label helps most.
+    pub(super) fn go_to_label_next(&mut self) {
+        if let Some(next) = self.review.advice.next {
+            self.go_to(next.frame);
+        }
+    }
+
+    /// Asks whether several suggestions are accepted together. What comes while the question stands is not part of it.
+    pub(super) fn ask_accept_all(&mut self) {
+        self.asked_to_accept = self.open.as_ref().map(|open| open.document.frames.clone());
+        self.session.dialog = Some(Dialog::AcceptAll);
+    }
+
+    /// A suggestion is accepted together with the others, or taken out of them.
+    pub(super) fn tick_suggestion(&mut self, index: usize, ticked: bool) {
+        let Some(id) = self.open.as_ref().and_then(|open| open.frame(index)).map(|frame| frame.id.clone()) else {
+            return;
+        };
+        if ticked {
+            self.session.unticked.remove(&id);
+        } else {
+            self.session.unticked.insert(id);
+        }
+    }
+
+    /// What is accepted together: by the choice, less what a person took out.
+    #[must_use]
+    pub fn bulk_accept(&self) -> BulkAccept {
+        let bulk = self.review.bulk(&self.session.review);
+        let asked = self.asked_to_accept.as_ref().zip(self.open.as_ref());
+        let bulk = match asked {
+            Some((asked, open)) => bulk.without_late(asked, &open.document.frames),
+            None => bulk,
+        };
+        let places = self.session.unticked.iter();
+        let unticked = places.filter_map(|id| self.open.as_ref()?.document.frames.position_of(id)).collect();
+        BulkAccept { unticked, ..bulk }
+    }
+
+    /// What the sheet shows that asks for it; none while it is closed.
+    #[must_use]
+    pub const fn accept_sheet(&self) -> Option<&Arc<AcceptSheet>> {
+        self.accept_sheet.as_ref()
+    }
+
+    /// Brings the sheet up to date: how many are wrong is worked out only where something changed.
+    pub(super) fn refresh_accept_sheet(&mut self) {
+        let is_asked = self.session.dialog == Some(Dialog::AcceptAll);
+        if !is_asked {
+            self.asked_to_accept = None;
+        }
+        let bulk = is_asked.then(|| self.bulk_accept());
+        if self.accept_sheet.as_ref().map(|sheet| &sheet.bulk) != bulk.as_ref() {
+            self.accept_sheet = bulk.map(|bulk| Arc::new(bulk.into()));
+        }
+    }
+
+    /// Accepts every suggestion that the preview shows: one step of undo.
+    pub(super) fn accept_all(&mut self) {
+        self.session.dialog = None;
+        let bulk = self.bulk_accept();
+        let open = |row: &&crate::app::review::ReviewRow| {
+            self.open.as_ref().and_then(|open| open.frame(row.frame)).is_some_and(is_suggested)
+        };
+        let frames: Vec<usize> = bulk.taken().filter(open).map(|row| row.frame).collect();
+        if frames.is_empty() {
+            self.session.notify(Level::Info, "No suggestion has this confidence.");
+            return;
+        }
+        let count = match frames.len() {
+            1 => "1 suggestion".to_owned(),
+            count => format!("{count} suggestions"),
+        };
+        if !self.begin_step(Step::on_document(format!("Accept {count}"))) {
+            return;
+        }
+        if let Some(open) = &mut self.open {
+            for index in frames {
+                if let Some(frame) = open.document.frames.get_mut(index) {
+                    frame.status = FrameStatus::Reference;
+                    frame.reason = None;
+                }
+            }
+        }
+        self.commit();
+        self.session.unticked.clear();
+        let waits = |frame: &Frame| is_suggested(frame) && frame.is_carried();
+        if self.open.as_ref().is_some_and(|open| !open.document.frames.iter().any(|frame| waits(frame))) {
+            self.session.retract(Command::DiscardCarried);
+        }
+        let undo = self.settings.keys.shown(Command::Undo);
+        self.session.notify(Level::Info, format!("{count} accepted. {undo} undoes all of it."));
+    }
+
+    /// Sets whether the forest is trained with a frame.
+    pub(super) fn set_use_for_training(&mut self, index: usize, used: bool) {
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
+        if frame.is_used_for_training() == used || frame.status != FrameStatus::Reference {
+            return;
+        }
+        let name = if used { "Use for training" } else { "Do not use for training" };
+        if self.begin_step(self.step_at(name, index)) {
+            if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
+                frame.set_use_for_training(used);
+            }
+            self.commit();
+        }
+    }
+
+    pub(super) fn toggle_use_for_training(&mut self) {
+        match self.frame().map(|frame| (frame.status == FrameStatus::Reference, frame.is_used_for_training())) {
+            Some((true, used)) => self.set_use_for_training(self.session.frame, !used),
+            _ => self.session.notify(Level::Info, "Only references are used for training: accept this frame first."),
+        }
+    }
+}
+
+fn is_suggested(frame: &Frame) -> bool {
+    frame.status == FrameStatus::Suggested
+}

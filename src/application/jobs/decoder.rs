@@ -1,0 +1,411 @@
+//! Decodes the current frame and its neighbours.
+
+use super::Wake;
+use super::frame_orders::{Choice, WorkReport};
+use super::frame_worker::{FrameWorker, MakeReader};
+use super::shared_pictures::{SharedPictures, SharedReader};
+use std::collections::BTreeMap;
+use std::io;
+use touchline_vision::media::{CountProgress, FrameReader, FrameRef, MediaError, Notice, Picture};
+
+/// How the decoder works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DecoderOptions {
+    /// Memory for decoded frames, bytes. 512 MiB by default: 64 frames of 1920 × 1080 px.
+    pub cache_bytes: usize,
+}
+
+impl Default for DecoderOptions {
+    fn default() -> Self {
+        Self { cache_bytes: 512 << 20 }
+    }
+}
+
+/// What the decoder says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DecoderReport {
+    /// A frame is decoded; it is also kept for [`Decoder::picture`].
+    Ready {
+        /// Which frame.
+        frame: FrameRef,
+        /// Its pixels.
+        picture: Picture,
+    },
+    /// The current frame could not be had. Neighbours that fail are not reported before the user comes to them.
+    Failed {
+        /// Which frame.
+        frame: FrameRef,
+        /// Why.
+        error: MediaError,
+    },
+    /// An internal error of this program or of a library stopped the decoding of a frame; the decoder goes on with others.
+    Panicked {
+        /// Which frame.
+        frame: FrameRef,
+        /// The panic's message.
+        message: String,
+    },
+    /// An internal error stopped the decoder: it decodes nothing more.
+    Broken {
+        /// The panic's message.
+        message: String,
+    },
+    /// A video without an even rate is being read through once to number its frames.
+    Counting(CountProgress),
+    /// What the user should know about a video, once for each video.
+    Notice(Notice),
+}
+
+/// What can be shown for a frame right now.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FrameState {
+    /// Its pixels.
+    Ready(Picture),
+    /// It is being decoded or waits for that.
+    Pending,
+    /// It could not be had.
+    Failed(MediaError),
+    /// Nobody asked for it, or it has been forgotten since.
+    Absent,
+}
+
+/// Decodes frames on a thread of its own and keeps them. Dropping it stops and joins the thread.
+pub struct Decoder {
+    worker: FrameWorker,
+    memory: Memory,
+    asked: Option<(FrameRef, Vec<FrameRef>)>,
+}
+
+/// What the decoder remembers on its owner's side.
+struct Memory {
+    current: Option<FrameRef>,
+    cache: SharedPictures,
+    failures: BTreeMap<FrameRef, MediaError>,
+    unpolled: Vec<DecoderReport>,
+}
+
+impl Decoder {
+    /// Starts the decoder; `wake` is called from its thread when a report waits.
+    ///
+    /// # Errors
+    /// The operating system gives no thread.
+    pub fn spawn(options: DecoderOptions, wake: Wake) -> io::Result<Self> {
+        let pictures = SharedPictures::new(options.cache_bytes);
+        let shared = pictures.clone();
+        let make_reader: MakeReader =
+            Box::new(move |watch| Box::new(SharedReader::new(Box::new(FrameReader::watched(watch)), shared.clone())));
+        Self::sharing(pictures, wake, make_reader)
+    }
+
+    /// Starts a decoder that reads frames in a way of its own.
+    #[cfg(test)]
+    pub(super) fn with_reader(options: DecoderOptions, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
+        Self::sharing(SharedPictures::new(options.cache_bytes), wake, make_reader)
+    }
+
+    fn sharing(pictures: SharedPictures, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
+        Ok(Self {
+            worker: FrameWorker::spawn("decoder", wake, None, make_reader)?,
+            memory: Memory { current: None, cache: pictures, failures: BTreeMap::new(), unpolled: Vec::new() },
+            asked: None,
+        })
+    }
+
+    /// Asks for the current frame and then, in this order, for others; what was asked before and is not in here is
+    /// given up. Frames of a video that lie shortly before another one asked for are taken along on the way to it.
+    /// Frames that are kept are not decoded again. Asking the same again costs nothing, so that this can be
+    /// called whenever the window is drawn.
+    ///
+    /// A frame that failed is tried again when it becomes the current one: its file may have been mended.
+    pub fn request(&mut self, current: &FrameRef, prefetch: &[FrameRef]) {
+        if self.asked.as_ref().is_some_and(|(before, others)| before == current && others == prefetch) {
+            return;
+        }
+        let is_new = self.memory.current.as_ref() != Some(current);
+        self.memory.current = Some(current.clone());
+        let memory = &mut self.memory;
+        self.worker.replace_queue(|reports| {
+            for report in reports {
+                memory.take_in(report);
+            }
+            if is_new {
+                memory.failures.remove(current);
+            }
+            let wanted: Vec<FrameRef> = std::iter::once(current).chain(prefetch).cloned().collect();
+            let missing = wanted.iter().filter(|frame| memory.lacks(frame)).cloned().collect();
+            Choice { wanted, missing }
+        });
+        self.asked = Some((current.clone(), prefetch.to_vec()));
+    }
+
+    /// Gives up everything asked for, as when a document is closed; kept frames and failures are forgotten.
+    pub fn clear(&mut self) {
+        self.worker.replace_queue(|_| Choice::default());
+        self.asked = None;
+        self.memory.cache.clear();
+        self.memory =
+            Memory { current: None, cache: self.memory.cache.clone(), failures: BTreeMap::new(), unpolled: Vec::new() };
+    }
+
+    /// What has happened since the last call. To be called whenever the window is drawn.
+    pub fn poll(&mut self) -> Vec<DecoderReport> {
+        for report in self.worker.fetch_reports() {
+            self.memory.take_in(report);
+        }
+        std::mem::take(&mut self.memory.unpolled)
+    }
+
+    /// The pixels of a frame, if they are kept.
+    pub fn picture(&mut self, frame: &FrameRef) -> Option<Picture> {
+        self.memory.cache.get(frame)
+    }
+
+    /// What can be shown for a frame right now.
+    pub fn state(&mut self, frame: &FrameRef) -> FrameState {
+        if let Some(picture) = self.picture(frame) {
+            FrameState::Ready(picture)
+        } else if let Some(error) = self.memory.failures.get(frame) {
+            FrameState::Failed(error.clone())
+        } else if self.worker.is_pending(frame) {
+            FrameState::Pending
+        } else {
+            FrameState::Absent
+        }
+    }
+
+    /// The decoded frames, for others who need some of them.
+    #[must_use]
+    pub fn pictures(&self) -> SharedPictures {
+        self.memory.cache.clone()
+    }
+
+    /// The memory for decoded frames, bytes.
+    #[must_use]
+    pub fn cache_bytes(&self) -> usize {
+        self.memory.cache.budget_bytes()
+    }
+
+    pub(super) const fn worker(&self) -> &FrameWorker {
+        &self.worker
+    }
+}
+
+impl Memory {
+    fn take_in(&mut self, report: WorkReport) {
+        let report = match report {
+            WorkReport::Frame(frame, Ok(picture)) => {
+                self.failures.remove(&frame);
+                self.cache.insert(frame.clone(), picture.clone());
+                self.keep_current();
+                DecoderReport::Ready { frame, picture }
+            }
+            WorkReport::Frame(frame, Err(error)) => {
+                self.failures.insert(frame.clone(), error.clone());
+                if self.current.as_ref() != Some(&frame) {
+                    return;
+                }
+                DecoderReport::Failed { frame, error }
+            }
+            WorkReport::Panicked(frame, message) => {
+                let path = frame.path().to_path_buf();
+                self.failures.insert(frame.clone(), MediaError::Panicked { path, message: message.clone() });
+                DecoderReport::Panicked { frame, message }
+            }
+            WorkReport::Broken(message) => DecoderReport::Broken { message },
+            WorkReport::Counting(progress) => DecoderReport::Counting(progress),
+            WorkReport::Notice(notice) => DecoderReport::Notice(notice),
+        };
+        self.unpolled.push(report);
+    }
+
+    /// The current frame counts as used whatever arrives, so that neighbours do not push it out.
+    fn keep_current(&mut self) {
+        if let Some(current) = &self.current {
+            let _ = self.cache.get(current);
+        }
+    }
+
+    fn lacks(&self, frame: &FrameRef) -> bool {
+        !self.cache.contains(frame) && !self.failures.contains_key(frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stand_in::{Controller, Reply, frame, picture, stand_in};
+    use super::*;
+    use std::path::Path;
+
+    fn held_decoder() -> (Decoder, Controller) {
+        let (make_reader, wake, controller) = stand_in();
+        (Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(), controller)
+    }
+
+    fn frames(indices: &[usize]) -> Vec<FrameRef> {
+        indices.iter().map(|&index| frame(index)).collect()
+    }
+
+    fn ready(index: usize) -> DecoderReport {
+        DecoderReport::Ready { frame: frame(index), picture: picture(index) }
+    }
+
+    #[test]
+    fn the_current_frame_comes_first_then_its_neighbours_in_order() {
+        let (mut decoder, controller) = held_decoder();
+        assert_eq!(decoder.state(&frame(5)), FrameState::Absent);
+        decoder.request(&frame(5), &frames(&[6, 7, 50, 5, 6]));
+        assert_eq!(decoder.state(&frame(5)), FrameState::Pending);
+        let mut order = Vec::new();
+        for _ in 0..4 {
+            order.push(controller.next_begun());
+            controller.let_out(Reply::Picture);
+            assert_eq!(controller.poll_until(|| decoder.poll()), [ready(*order.last().unwrap())]);
+        }
+        assert_eq!(order, [5, 6, 7, 50]);
+        assert_eq!(decoder.state(&frame(50)), FrameState::Ready(picture(50)));
+    }
+
+    #[test]
+    fn what_is_no_longer_asked_for_is_not_read() {
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &frames(&[1, 2, 3]));
+        assert_eq!(controller.next_begun(), 0);
+        decoder.request(&frame(50), &frames(&[51]));
+        assert_eq!(decoder.state(&frame(1)), FrameState::Absent);
+        controller.let_out_pictures(3);
+        assert_eq!([controller.next_begun(), controller.next_begun()], [50, 51]);
+        let mut reports = Vec::new();
+        while reports.len() < 3 {
+            reports.extend(controller.poll_until(|| decoder.poll()));
+        }
+        assert_eq!(reports, [ready(0), ready(50), ready(51)], "what had been begun is kept all the same");
+        assert!(controller.begun.try_recv().is_err());
+    }
+
+    #[test]
+    fn a_frame_kept_or_being_read_is_not_read_again() {
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &frames(&[1]));
+        controller.let_out_pictures(1);
+        assert_eq!([controller.next_begun(), controller.next_begun()], [0, 1]);
+        // 0 waits to be polled, 1 is being read.
+        decoder.request(&frame(1), &frames(&[0, 2]));
+        assert_eq!(decoder.picture(&frame(0)), Some(picture(0)), "taken in with the request");
+        controller.let_out_pictures(2);
+        assert_eq!(controller.next_begun(), 2);
+        let mut reports = Vec::new();
+        while reports.len() < 3 {
+            reports.extend(controller.poll_until(|| decoder.poll()));
+        }
+        assert_eq!(reports, [ready(0), ready(1), ready(2)]);
+        decoder.request(&frame(2), &frames(&[1, 0]));
+        assert_eq!(decoder.state(&frame(2)), FrameState::Ready(picture(2)));
+        assert!(controller.begun.try_recv().is_err());
+    }
+
+    #[test]
+    fn a_neighbour_that_fails_is_reported_when_the_user_comes_to_it() {
+        let (mut decoder, controller) = held_decoder();
+        let error = MediaError::Missing { path: Path::new("match.mp4").to_path_buf() };
+        decoder.request(&frame(0), &frames(&[1]));
+        controller.let_out(Reply::Picture);
+        controller.let_out(Reply::Missing);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(0)]);
+        while decoder.state(&frame(1)) == FrameState::Pending {
+            assert_eq!(decoder.poll(), []);
+        }
+        assert_eq!(decoder.poll(), []);
+        assert_eq!(decoder.state(&frame(1)), FrameState::Failed(error.clone()));
+        // The user comes to it: it is tried again, and fails again.
+        controller.let_out(Reply::Missing);
+        decoder.request(&frame(1), &frames(&[0]));
+        let failed = DecoderReport::Failed { frame: frame(1), error };
+        assert_eq!(controller.poll_until(|| decoder.poll()), [failed]);
+        // The same request again is no new try; coming back to it is.
+        decoder.request(&frame(1), &frames(&[0]));
+        decoder.request(&frame(0), &[]);
+        controller.let_out(Reply::Picture);
+        decoder.request(&frame(1), &[]);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(1)]);
+        assert_eq!(controller.begun.try_iter().collect::<Vec<_>>(), [0, 1, 1, 1]);
+    }
+
+    #[test]
+    fn a_panic_is_reported_and_the_next_frame_is_read() {
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &frames(&[1]));
+        controller.let_out(Reply::Panic);
+        controller.let_out(Reply::Picture);
+        let mut reports = Vec::new();
+        while reports.len() < 2 {
+            reports.extend(controller.poll_until(|| decoder.poll()));
+        }
+        let message = "frame 0 is cursed".to_owned();
+        assert_eq!(reports, [DecoderReport::Panicked { frame: frame(0), message }, ready(1)]);
+        let FrameState::Failed(error) = decoder.state(&frame(0)) else { panic!("not failed") };
+        assert_eq!(
+            error.to_string(),
+            "match.mp4: internal error while reading it (frame 0 is cursed); please report it together with the file"
+        );
+    }
+
+    #[test]
+    fn a_long_count_ends_when_the_user_goes_to_another_file() {
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &[]);
+        controller.let_out(Reply::Count);
+        let reports = controller.poll_until(|| decoder.poll());
+        assert!(matches!(reports[0], DecoderReport::Counting(CountProgress { stated: 9, .. })));
+        let elsewhere = FrameRef::video(Path::new("other.mp4"), 3);
+        decoder.request(&elsewhere, &[]);
+        controller.let_out(Reply::Picture);
+        let is_ready =
+            |report: &DecoderReport| matches!(report, DecoderReport::Ready { frame, .. } if *frame == elsewhere);
+        while !controller.poll_until(|| decoder.poll()).iter().any(is_ready) {}
+        assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
+    }
+
+    #[test]
+    fn dropping_ends_a_count_and_a_worker_that_waits_for_room() {
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &[]);
+        controller.let_out(Reply::Count);
+        assert_eq!(controller.next_begun(), 0);
+        drop(decoder);
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &(1..100).map(frame).collect::<Vec<_>>());
+        controller.let_out_pictures(100);
+        while controller.next_begun() < 32 {}
+        drop(decoder);
+        assert!(controller.begun.try_recv().is_err(), "the worker pauses when nobody polls");
+    }
+
+    #[test]
+    fn closing_a_document_forgets_its_frames() {
+        let (mut decoder, controller) = held_decoder();
+        decoder.request(&frame(0), &[]);
+        controller.let_out(Reply::Picture);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(0)]);
+        decoder.clear();
+        assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
+        controller.let_out(Reply::Picture);
+        decoder.request(&frame(0), &[]);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(0)]);
+    }
+
+    #[test]
+    fn a_small_cache_keeps_the_current_frame() {
+        let (make_reader, wake, controller) = stand_in();
+        let options = DecoderOptions { cache_bytes: 2 * picture(0).bytes() };
+        let mut decoder = Decoder::with_reader(options, wake, make_reader).unwrap();
+        decoder.request(&frame(0), &frames(&[1, 2, 3]));
+        controller.let_out_pictures(4);
+        let mut reports = Vec::new();
+        while reports.len() < 4 {
+            reports.extend(controller.poll_until(|| decoder.poll()));
+        }
+        assert_eq!(decoder.picture(&frame(0)), Some(picture(0)));
+        assert_eq!(decoder.picture(&frame(1)), None);
+        assert_eq!(decoder.picture(&frame(3)), Some(picture(3)));
+    }
+}

@@ -1,0 +1,111 @@
+//! A copy of the demo match for a user to try things on.
+
+use super::JobError;
+use super::drawn_match::{DrawnPicture, MatchOrder, draw_match};
+use super::opening::{OpenWatch, user_projects};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use touchline_documents::store::{Location, PROJECT_FILE, Store};
+use touchline_vision::media::MediaError;
+
+/// The user's copy of the demo match. It is made when there is none yet: from the one that came with the program, or else drawn.
+///
+/// # Errors
+/// It cannot be written, or `watch` ended it.
+pub fn fresh_copy(watch: OpenWatch<'_>) -> Result<PathBuf, JobError> {
+    let own = user_projects().ok_or(JobError::NoUserFolder)?.join("demo");
+    if own.join(PROJECT_FILE).exists() {
+        return Ok(own);
+    }
+    match delivered() {
+        Some(folder) => copy_folder(&folder, &own).map_err(JobError::io(&own))?,
+        None => draw(&MatchOrder::demo(), &own, watch)?,
+    }
+    Ok(own)
+}
+
+/// Draws a match into a folder. Its project comes last: as long as it is not there, the match is drawn again.
+fn draw(order: &MatchOrder, folder: &Path, watch: OpenWatch<'_>) -> Result<(), JobError> {
+    std::fs::create_dir_all(folder.join("images")).map_err(JobError::io(folder))?;
+    let drawn = draw_match(order, &mut |picture: DrawnPicture| {
+        let file = folder.join(&picture.image);
+        std::fs::write(&file, &picture.jpeg).map_err(JobError::io(&file))?;
+        match watch(format!("Drawing the demo match: {} of {} frames…", picture.index + 1, picture.of)) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(JobError::from(MediaError::Stopped { path: folder.to_path_buf() })),
+        }
+    })?;
+    Store::create(&Location::for_new_document(folder)?, &drawn.project)?;
+    Ok(())
+}
+
+/// Where the demo lies: beside an installed program, or in the source tree it was built in.
+fn delivered() -> Option<PathBuf> {
+    let program = std::env::current_exe().ok()?;
+    let beside = program.ancestors().skip(1).take(4);
+    beside
+        .flat_map(|folder| [folder.join("share/touchline/demo"), folder.join("projects/demo")])
+        .find(|folder| folder.join(PROJECT_FILE).exists())
+}
+
+/// Copies a match. Its project comes last: as long as it is not there, the match is copied again.
+fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(to)?;
+    let mut entries = std::fs::read_dir(from)?.collect::<std::io::Result<Vec<_>>>()?;
+    entries.sort_by_key(|entry| (entry.file_name() == PROJECT_FILE, entry.file_name()));
+    for entry in entries {
+        let target = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy_folder(&entry.path(), &target)?;
+        } else {
+            std::fs::copy(entry.path(), target)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn a_copy_that_is_interrupted_is_no_project() {
+        let place = tempfile::tempdir().unwrap();
+        let (from, to) = (place.path().join("from"), place.path().join("to"));
+        std::fs::create_dir_all(from.join("zz")).unwrap();
+        std::fs::write(from.join(PROJECT_FILE), "{}").unwrap();
+        std::fs::write(from.join("zz/1.jpg"), "picture").unwrap();
+        std::fs::write(from.join("a.txt"), "first").unwrap();
+        // A file in the way of the folder of pictures ends the copy there.
+        std::fs::create_dir(&to).unwrap();
+        std::fs::write(to.join("zz"), "in the way").unwrap();
+        assert!(copy_folder(&from, &to).is_err());
+        assert!(to.join("a.txt").exists() && !to.join(PROJECT_FILE).exists());
+        std::fs::remove_file(to.join("zz")).unwrap();
+        copy_folder(&from, &to).unwrap();
+        assert!(to.join(PROJECT_FILE).exists() && to.join("zz/1.jpg").exists());
+    }
+
+    #[test]
+    fn without_a_demo_beside_the_program_one_is_drawn_that_opens_and_can_be_stopped() {
+        let place = tempfile::tempdir().unwrap();
+        let order = MatchOrder { frames: 3, image_size: ImageSize::new(320, 180), ..MatchOrder::demo() };
+        let stopped = draw(&order, place.path(), &|_| ControlFlow::Break(()));
+        assert!(matches!(stopped, Err(JobError::Media(MediaError::Stopped { .. }))), "{stopped:?}");
+        assert!(!place.path().join(PROJECT_FILE).exists());
+        let told = std::sync::Mutex::new(Vec::new());
+        draw(&order, place.path(), &|text| {
+            told.lock().unwrap().push(text);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert_eq!(told.into_inner().unwrap().last().unwrap(), "Drawing the demo match: 3 of 3 frames…");
+        let (_, document, _) = touchline_documents::store::read(place.path()).unwrap();
+        assert_eq!(document.frames.len(), 3);
+        for frame in &document.frames {
+            let file = frame.image_path(place.path()).unwrap();
+            assert_eq!(touchline_vision::media::sha256_of_file(&file).ok(), frame.sha256);
+        }
+    }
+}

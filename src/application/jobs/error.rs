@@ -1,0 +1,92 @@
+//! What can go wrong in the background work that a person asked for.
+
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+use touchline_core::field::FieldError;
+use touchline_documents::document::WriteError;
+use touchline_documents::store::StoreError;
+use touchline_vision::media::MediaError;
+
+/// Why a job did not do what it was asked for.
+#[derive(Debug, Error)]
+pub enum JobError {
+    /// The system starts no thread.
+    #[error("the system could not start a thread for {what}: {source}")]
+    NoThread {
+        /// What it was for: "saving".
+        what: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is nothing at the path.
+    #[error("{}: there is no such file or folder", path.display())]
+    Missing {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The system refused a file or folder.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A picture or video cannot be read.
+    #[error(transparent)]
+    Media(#[from] MediaError),
+    /// A document cannot be read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A document cannot be put into words.
+    #[error(transparent)]
+    Document(#[from] WriteError),
+    /// A document's field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// This very window has the document open.
+    #[error("{} is open already", file.display())]
+    AlreadyOpen {
+        /// The document's file.
+        file: PathBuf,
+    },
+    /// A folder or video without a frame that can be read.
+    #[error("{}: there is no frame that can be read{}", path.display(), in_brackets(reason.as_deref()))]
+    NoFrames {
+        /// The folder or video.
+        path: PathBuf,
+        /// Why the last of them cannot.
+        reason: Option<String>,
+    },
+    /// Neither beside the frames nor in the user's data folder.
+    #[error("{}: there is no folder to keep a project in", path.display())]
+    NoPlace {
+        /// The folder or video.
+        path: PathBuf,
+    },
+    /// No camera of the document can be taken over.
+    #[error("{}: no camera has a position and a base rotation", path.display())]
+    NoBase {
+        /// The document.
+        path: PathBuf,
+    },
+    /// The system has no place for a user's own files.
+    #[error("this system has no folder for a user's data")]
+    NoUserFolder,
+    /// A picture of the demo match cannot be encoded.
+    #[error("the demo match cannot be drawn: {0}")]
+    Drawing(#[from] image::ImageError),
+}
+
+impl JobError {
+    /// What the system refused at a path.
+    pub(super) fn io(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { path, source }
+    }
+}
+
+fn in_brackets(reason: Option<&str>) -> String {
+    reason.map(|reason| format!(" ({reason})")).unwrap_or_default()
+}

@@ -1,0 +1,133 @@
+//! A thread that reads frames in the order of a queue, which its owner replaces whenever the user moves.
+
+use super::frame_orders::{Choice, FrameMailbox, FrameOrders, WorkReport};
+use super::worker::{Mailbox, Waited, Worker};
+use super::{Wake, panic_message};
+use std::io;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use touchline_vision::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
+
+/// How many reports may wait to be fetched before the worker pauses.
+const MAX_REPORTS: usize = 32;
+
+/// Makes the reader of a worker's thread, again after a panic. The watch decides whether a long count goes on.
+pub(super) type MakeReader = Box<dyn Fn(CountWatch) -> Box<dyn ReadFrames> + Send>;
+
+/// Asked now and then during a long count.
+pub(super) type CountWatch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
+
+/// A thread that reads frames. Dropping it stops and joins the thread.
+pub(super) struct FrameWorker {
+    worker: Worker<FrameOrders, WorkReport>,
+    /// The mailbox of a worker with priority.
+    yields_to: Option<Arc<FrameMailbox>>,
+}
+
+impl FrameWorker {
+    /// Starts the thread. While `yields_to` has something to do, this worker starts no frame.
+    pub(super) fn spawn(name: &str, wake: Wake, yields_to: Option<&Self>, make_reader: MakeReader) -> io::Result<Self> {
+        let yields_to = yields_to.map(|first| Arc::clone(first.worker.mailbox()));
+        let first = yields_to.clone();
+        let mailbox = Mailbox::new(FrameOrders::default(), MAX_REPORTS, wake);
+        let worker = Worker::spawn(name, mailbox, WorkReport::Broken, move |mailbox| {
+            WorkerThread { mailbox, yields_to: first, make_reader }.work();
+        })?;
+        Ok(Self { worker, yields_to })
+    }
+
+    /// Replaces the queue. `choose` is given the reports that have arrived and returns the frames wanted and, of these,
+    /// the ones to be read.
+    pub(super) fn replace_queue(&self, choose: impl FnOnce(Vec<WorkReport>) -> Choice) {
+        self.worker.mailbox().update(|state| {
+            let choice = choose(state.reports.drain(..).collect());
+            state.orders.replace(choice);
+        });
+    }
+
+    /// Whether a frame is being read or waits to be.
+    pub(super) fn is_pending(&self, frame: &FrameRef) -> bool {
+        self.worker.mailbox().look(|orders| orders.is_pending(frame))
+    }
+
+    /// The reports that have arrived since they were fetched last.
+    pub(super) fn fetch_reports(&self) -> Vec<WorkReport> {
+        self.worker.mailbox().take_reports()
+    }
+}
+
+impl Drop for FrameWorker {
+    fn drop(&mut self) {
+        let mailbox = self.worker.mailbox();
+        mailbox.update(|state| state.orders.replace(Choice::default()));
+        mailbox.begin_closing();
+        if let Some(first) = &self.yields_to {
+            // The thread may wait for the other worker: it looks again whether to go on with that.
+            first.update(|_| ());
+        }
+    }
+}
+
+/// The thread's side.
+struct WorkerThread<'a> {
+    mailbox: &'a Arc<FrameMailbox>,
+    yields_to: Option<Arc<FrameMailbox>>,
+    make_reader: MakeReader,
+}
+
+impl WorkerThread<'_> {
+    fn work(self) {
+        let mut reader = (self.make_reader)(self.watch());
+        while let Some(frame) = self.next() {
+            match catch_unwind(AssertUnwindSafe(|| (reader.read(&frame), reader.take_notices()))) {
+                Ok((result, notices)) => {
+                    for notice in notices {
+                        self.mailbox.report(WorkReport::Notice(notice));
+                    }
+                    self.finish(frame, result);
+                }
+                Err(payload) => {
+                    reader = (self.make_reader)(self.watch());
+                    let report = WorkReport::Panicked(frame, panic_message(payload.as_ref()));
+                    self.mailbox.report_done(report, FrameOrders::finish);
+                }
+            }
+        }
+    }
+
+    /// The next frame to read: waits for one, and for the worker that goes first. None when it is time to end.
+    fn next(&self) -> Option<FrameRef> {
+        loop {
+            let is_there = self.mailbox.wait_for(None, |orders| (!orders.is_empty()).then_some(()));
+            if let (Waited::Order(()), Some(first)) = (is_there, &self.yields_to) {
+                first.wait_for(None, |orders| (!orders.is_busy() || self.mailbox.is_closing()).then_some(()));
+            }
+            if self.mailbox.is_closing() {
+                return None;
+            }
+            // The queue may have been emptied in the meantime.
+            if let Some(frame) = self.mailbox.update(|state| state.orders.begin()) {
+                return Some(frame);
+            }
+        }
+    }
+
+    fn finish(&self, frame: FrameRef, result: Result<Picture, MediaError>) {
+        match result {
+            Err(MediaError::Stopped { .. }) => self.mailbox.update(|state| state.orders.give_up()),
+            result => self.mailbox.report_done(WorkReport::Frame(frame, result), FrameOrders::finish),
+        }
+    }
+
+    fn watch(&self) -> CountWatch {
+        let mailbox = Arc::clone(self.mailbox);
+        Box::new(move |progress| {
+            if mailbox.is_closing() || !mailbox.look(FrameOrders::is_reading_wanted) {
+                return ControlFlow::Break(());
+            }
+            mailbox.report_instead(WorkReport::Counting(progress), |before| matches!(before, WorkReport::Counting(_)));
+            ControlFlow::Continue(())
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! What is done in the background with pictures of the open document.
+
+use super::SharedPictures;
+use super::shared_pictures::SharedReader;
+use super::tasks::new_folder;
+use crate::app::base::EstimateFailure;
+use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
+use crate::app::{Action, BurntInSearch, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
+use std::ops::ControlFlow;
+use touchline_calibration::calibrate::{EstimatedBase, estimate_on_paint};
+use touchline_calibration::proposals::{FeatureStore, WorkFolder, read_picture};
+use touchline_core::solve::base::{BaseOptions, WatchBase};
+use touchline_documents::document::{CameraId, DocumentAt, Frame};
+use touchline_vision::media::FrameReader;
+use touchline_vision::paint::WatchFind;
+
+/// Progress is told each time this many frames have been looked at.
+const PROGRESS_EVERY: usize = 25;
+
+/// Looks for graphics that are burned into the pictures; nothing is found where `watch`, asked after each, ends it.
+pub(super) fn burnt_in(
+    search: &BurntInSearch,
+    pictures: SharedPictures,
+    watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Action {
+    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
+    // The trainer looks at some of the same pictures.
+    let store = FeatureStore::on_disk(&WorkFolder::beside(&search.file));
+    let found = search.look(&mut reader, &store, watch).unwrap_or_default();
+    Action::BurntIn { file: search.file.clone(), found }
+}
+
+/// Looks for the cuts of a video. The window goes first: while the picture that it shows is being decoded this waits.
+pub(super) fn shots_found(
+    search: &ShotSearch,
+    pictures: &SharedPictures,
+    tell: &dyn Fn(Action) -> ControlFlow<()>,
+) -> Action {
+    let ticket = search.ticket;
+    let found = search.look(&mut FrameReader::new(), &|progress| {
+        pictures.wait_for_window();
+        if progress.done.is_multiple_of(PROGRESS_EVERY) {
+            return tell(Action::Video(VideoAction::ShotProgress { ticket, progress }));
+        }
+        ControlFlow::Continue(())
+    });
+    Action::Video(VideoAction::ShotsFound { ticket, found })
+}
+
+/// Estimates a camera's base, and its field's size if that is wanted, from clicks and painted lines. `looked_at` is told how many
+/// pictures have been looked at.
+pub(super) fn base_with_paint(
+    document: DocumentAt<'_>,
+    (camera, with_size): (&CameraId, bool),
+    pictures: SharedPictures,
+    watch: WatchBase<'_>,
+    looked_at: &dyn Fn(usize) -> ControlFlow<()>,
+) -> Result<Box<EstimatedBase>, EstimateFailure> {
+    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
+    let mut count = 0;
+    let mut pictures = |frame: &Frame| {
+        count += 1;
+        // Without further pictures it ends soon.
+        looked_at(count).is_continue().then(|| read_picture(&mut reader, frame, document.folder).ok()).flatten()
+    };
+    let found = estimate_on_paint(document, camera, &BaseOptions::default(), with_size, &mut pictures, watch)?;
+    Ok(Box::new(found.with_pulled_frames(document, &mut pictures)?))
+}
+
+/// Pulls a frame's camera onto the painted lines, or finds it by them; `watch` is told how far a search has come.
+pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures, watch: WatchFind<'_>) -> Action {
+    let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
+    Action::Snapped { ticket: order.ticket, result }
+}
+
+/// Exports or imports; `watch` is told how far it has come.
+pub(super) fn transferred(
+    mut order: TransferOrder,
+    pictures: SharedPictures,
+    watch: &mut dyn FnMut(Action) -> ControlFlow<()>,
+) -> Action {
+    match &mut order.work {
+        TransferWork::WriteExport { format, to, .. } if format.is_folder() => {
+            *to = new_folder(std::mem::take(to), format.name());
+        }
+        TransferWork::WriteDataset { to, .. } => *to = new_folder(std::mem::take(to), "dataset"),
+        _ => {}
+    }
+    let ticket = order.ticket;
+    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
+    Action::Transfer(
+        order.carry_out(&mut reader, &mut |done, of| {
+            watch(Action::Transfer(TransferAction::Progress { ticket, done, of }))
+        }),
+    )
+}
+
+/// Looks where the landmarks of clicks are painted.
+pub(super) fn points_snapped(order: &PointSnapOrder, pictures: SharedPictures) -> Action {
+    let found = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures));
+    Action::PointsSnapped { ticket: order.ticket, found }
+}

@@ -1,0 +1,648 @@
+//! Carries out what the application asks for, in the background.
+
+use super::opening::{OpenWatch, Ready, open_anything};
+use super::picture_tasks::{base_with_paint, burnt_in, points_snapped, shots_found, snapped, transferred};
+use super::tasks::{camera_with_base, estimate, save_copy};
+use super::{
+    Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
+    TrainerOptions, TrainerReport, Wake, demo,
+};
+use crate::app::base::{EstimateFailure, EstimateProgress};
+use crate::app::operation::{Job, Report};
+use crate::app::session::Level;
+use crate::app::transfer::TransferAction;
+use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use touchline_core::field::template_named;
+use touchline_documents::store::{Location, Orphan, put_orphan_away, read_orphan, save_orphan};
+
+/// What is left for the window to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Ask for a path.
+    Ask(Question),
+    /// Keep the settings.
+    SaveSettings,
+    /// Close.
+    Close,
+}
+
+/// What a task ends with.
+enum Outcome {
+    Opened(Box<Ready>),
+    Action(Action),
+}
+
+/// What a task is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// It opens a document.
+    Opening,
+    /// It estimates a base.
+    Estimate,
+    /// It works a change out; the change's ticket.
+    Bulk(u64),
+    /// It looks for burned-in graphics.
+    BurntIn,
+    /// It looks for cuts; the search's ticket.
+    Shots(u64),
+    /// It snaps a frame; the order's ticket.
+    Snap(u64),
+    /// It looks where clicks are painted; the order's ticket.
+    SnapPoints(u64),
+    /// It exports or imports; the order's ticket.
+    Transfer(u64),
+    /// It reads what concerns the open document alone.
+    Beside,
+    /// Anything that runs to its end.
+    Other,
+}
+
+/// What a task tells the window through. A break says that nobody waits any more.
+#[derive(Clone, Copy)]
+struct TaskWatch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>);
+
+impl TaskWatch<'_> {
+    /// Tells how far the task has come.
+    fn tell(self, action: Action) -> ControlFlow<()> {
+        self.0.progress(action);
+        self.goes_on()
+    }
+
+    /// Whether to go on.
+    fn goes_on(self) -> ControlFlow<()> {
+        if self.0.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Something under way.
+struct Task {
+    background: Background<Action, Result<Outcome, JobError>>,
+    /// What it is about: the user may give some up.
+    kind: Kind,
+    /// Nobody waits for its result any more.
+    given_up: bool,
+}
+
+/// An operation on its thread.
+struct RunningJob {
+    job: Job,
+    background: Background<Report, Report>,
+}
+
+impl Drop for RunningJob {
+    /// The thread is waited for next: it must not go on to its end.
+    fn drop(&mut self) {
+        self.job.cancel();
+    }
+}
+
+/// Carries out effects; its reports are actions.
+pub struct Runner {
+    wake: Wake,
+    pictures: SharedPictures,
+    saver: Option<Saver>,
+    /// The document that the saver writes.
+    held: Option<Location>,
+    trainer: Option<Trainer>,
+    jobs: Vec<RunningJob>,
+    tasks: Vec<Task>,
+    reports: Vec<Action>,
+    /// What was opened, until the application has taken in what was reported before it.
+    ready: Option<Box<Ready>>,
+}
+
+impl Runner {
+    /// Nothing to do yet. `wake` is called when there is something to poll; `pictures` are the frames that the window has
+    /// decoded.
+    #[must_use]
+    pub const fn new(wake: Wake, pictures: SharedPictures) -> Self {
+        Self {
+            wake,
+            pictures,
+            saver: None,
+            held: None,
+            trainer: None,
+            jobs: Vec::new(),
+            tasks: Vec::new(),
+            reports: Vec::new(),
+            ready: None,
+        }
+    }
+
+    /// Carries an effect out, or begins to; what only a window can do comes back.
+    pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
+        match effect {
+            Effect::Start(job) => self.start(job),
+            Effect::Open(path) => self.open("open", move |_| Ok(path)),
+            Effect::OpenDemo => self.open("open the demo", demo::fresh_copy),
+            Effect::Reopen(path) => {
+                // What is not written stays in the journal, and is found again there.
+                let last = self.close();
+                self.reports.extend(last);
+                self.open("open again", move |_| Ok(path));
+            }
+            Effect::ReadTemplate { of, folder, name } => self.begin("field template", Kind::Other, move |_| {
+                let template = template_named(&name, &folder).map(Box::new);
+                Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
+            }),
+            Effect::CancelOpening => {
+                self.give_up(|kind| kind == Kind::Opening);
+                self.ready = None;
+            }
+            Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
+                let pictures = self.pictures.clone();
+                self.begin("base", Kind::Estimate, move |watch| {
+                    let tell = |progress| watch.tell(Action::BaseProgress(progress));
+                    let adjusting = |progress| tell(EstimateProgress::Adjusting(progress));
+                    let document = document.at(&folder);
+                    let found = if with_paint {
+                        let looking = |pictures| tell(EstimateProgress::Looking { pictures });
+                        base_with_paint(document, (&camera, with_size), pictures, &adjusting, &looking)
+                    } else {
+                        estimate(document, &camera, with_size, &adjusting).map_err(EstimateFailure::Impossible)
+                    };
+                    Ok(Outcome::Action(Action::BaseEstimated(found)))
+                });
+            }
+            Effect::CancelEstimate => self.give_up(|kind| kind == Kind::Estimate),
+            Effect::SolveBulk(order) => {
+                let BulkOrder { ticket, work } = *order;
+                self.begin("solving", Kind::Bulk(ticket), move |watch| {
+                    let solved = work.run(&|progress| watch.tell(Action::BulkProgress { ticket, progress }));
+                    let solved = solved.map(Box::new).map_err(BulkFailure::Impossible);
+                    Ok(Outcome::Action(Action::BulkSolved { ticket, solved }))
+                });
+            }
+            Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
+            Effect::FindBurntIn(search) => {
+                self.give_up(|kind| kind == Kind::BurntIn);
+                let pictures = self.pictures.clone();
+                self.begin("burned-in graphics", Kind::BurntIn, move |watch| {
+                    Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
+                });
+            }
+            Effect::FindShots(search) => {
+                self.give_up(|kind| matches!(kind, Kind::Shots(_)));
+                let pictures = self.pictures.clone();
+                self.begin("shots", Kind::Shots(search.ticket), move |watch| {
+                    Ok(Outcome::Action(shots_found(&search, &pictures, &|action| watch.tell(action))))
+                });
+            }
+            Effect::CancelShots => self.give_up(|kind| matches!(kind, Kind::Shots(_))),
+            Effect::Snap(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("snap", Kind::Snap(order.ticket), move |watch| {
+                    let ticket = order.ticket;
+                    Ok(Outcome::Action(snapped(&order, pictures, &|share| {
+                        watch.tell(Action::SnapProgress { ticket, share })
+                    })))
+                });
+            }
+            Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
+            Effect::SnapPoints(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("snap points", Kind::SnapPoints(order.ticket), move |_| {
+                    Ok(Outcome::Action(points_snapped(&order, pictures)))
+                });
+            }
+            Effect::Trainer(order) => {
+                if let Some(trainer) = &self.trainer {
+                    trainer.tell(order);
+                }
+            }
+            Effect::Journal { edit, revision } => match &self.saver {
+                Some(saver) => saver.edit(edit, revision),
+                None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
+            },
+            Effect::JournalWhole { document, history, revision } => {
+                self.tell_saver(|saver| saver.whole(*document, *history, revision));
+            }
+            Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
+            Effect::SaveOver => self.tell_saver(Saver::save_over),
+            Effect::ReadOutside => self.tell_saver(Saver::read_outside),
+            Effect::ReadOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
+                let edits = Box::new(read_orphan(location, &orphan)?);
+                Ok(Action::OrphanRead { orphan, edits })
+            }),
+            Effect::SaveOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
+                Ok(Action::OrphanSaved { document: save_orphan(location, &orphan)? })
+            }),
+            Effect::PutOrphanAway { orphan } => self.begin_beside("edits set aside", move |location| {
+                let renamed = put_orphan_away(location, &orphan)?;
+                Ok(Action::OrphanPutAway { orphan, renamed })
+            }),
+            Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
+                save_copy(document.at(&from), &folder)?;
+                Ok(Outcome::Action(Action::Copied(folder)))
+            }),
+            Effect::Transfer(order) => {
+                self.give_up(|kind| matches!(kind, Kind::Transfer(_)));
+                let pictures = self.pictures.clone();
+                self.begin("export and import", Kind::Transfer(order.ticket), move |watch| {
+                    Ok(Outcome::Action(transferred(*order, pictures, &mut |action| watch.tell(action))))
+                });
+            }
+            Effect::CancelTransfer => self.give_up(|kind| matches!(kind, Kind::Transfer(_))),
+            Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
+                camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
+            }),
+            Effect::Ask(question) => return Some(Request::Ask(question)),
+            Effect::SaveSettings => return Some(Request::SaveSettings),
+            Effect::Close => return Some(Request::Close),
+        }
+        None
+    }
+
+    /// What has happened since the last call.
+    pub fn poll(&mut self) -> Vec<Action> {
+        if let Some(ready) = self.ready.take() {
+            return self.let_in(*ready);
+        }
+        let mut actions = std::mem::take(&mut self.reports);
+        actions.extend(self.poll_jobs());
+        for task in &mut self.tasks {
+            while let Some(report) = task.background.poll() {
+                match report {
+                    _ if task.given_up => {}
+                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => self.ready = Some(ready),
+                    BackgroundReport::Progress(action) | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
+                        actions.push(action);
+                    }
+                    BackgroundReport::Done(Err(JobError::AlreadyOpen { file })) => {
+                        actions.push(Action::AlreadyOpen(file));
+                    }
+                    BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
+                    BackgroundReport::Panicked(message) => actions.push(match task.kind {
+                        Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
+                        Kind::Bulk(ticket) => {
+                            Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
+                        }
+                        Kind::Shots(ticket) => Action::Video(VideoAction::ShotsFound {
+                            ticket,
+                            found: Err(ShotFailure::Panicked { message }),
+                        }),
+                        Kind::Snap(ticket) => {
+                            Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
+                        }
+                        Kind::SnapPoints(ticket) => {
+                            Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }
+                        }
+                        Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
+                            ticket,
+                            result: Err(format!("Internal error (please report it): {message}")),
+                        }),
+                        Kind::Opening | Kind::BurntIn | Kind::Beside | Kind::Other => {
+                            Action::Failed(format!("internal error (please report it): {message}"))
+                        }
+                    }),
+                }
+            }
+        }
+        self.tasks.retain(|task| !task.background.is_over());
+        if self.ready.is_some() {
+            (self.wake)();
+        }
+        let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
+        actions.extend(reports.into_iter().map(|report| match report {
+            TrainerReport::Status(status) => Action::Trainer(status),
+            TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
+            TrainerReport::Carried(carried) => Action::CarriedProposals(carried),
+            TrainerReport::Features(used) => Action::Features(used),
+            TrainerReport::Broken { message } => {
+                let text = format!("The trainer stopped: internal error (please report it): {message}");
+                Action::Notify(Level::Error, text)
+            }
+        }));
+        let reports = self.saver.as_ref().map(Saver::reports).unwrap_or_default();
+        actions.extend(reports.into_iter().flat_map(actions_of));
+        actions
+    }
+
+    /// Puts a document that was opened in the place of the one before. The application has taken in all that was reported until
+    /// now, and its edits are with that one's saver; what is reported later of that one concerns nobody.
+    fn let_in(&mut self, ready: Ready) -> Vec<Action> {
+        self.give_up(|kind| !matches!(kind, Kind::Opening | Kind::Other));
+        // What was open before is written first; its last words matter no more than a failure.
+        let mut actions = self.close();
+        actions.push(match self.start_saver(ready) {
+            Ok(opened) => opened,
+            Err(error) => Action::Failed(error.to_string()),
+        });
+        actions
+    }
+
+    /// Writes what is left of the open document and waits for the disk.
+    pub fn close(&mut self) -> Vec<Action> {
+        self.trainer = None;
+        self.held = None;
+        let failure = |action: Action| match action {
+            Action::SaveFailed(_) => Some(action),
+            // Nobody is left to ask.
+            Action::ChangedOutside { path, own: Some(own) } => {
+                Some(Action::Notify(Level::Warning, kept_own(&path, &own)))
+            }
+            // There was no time to give it the document.
+            Action::WholeWanted => {
+                Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
+            }
+            _ => None,
+        };
+        let reports = self.saver.take().map(Saver::close).unwrap_or_default();
+        reports.into_iter().flat_map(actions_of).filter_map(failure).collect()
+    }
+
+    /// Whether something is still under way.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        !self.jobs.is_empty() || !self.tasks.is_empty() || self.ready.is_some()
+    }
+
+    /// Runs an operation on a thread of its own.
+    fn start(&mut self, job: Job) {
+        let (task, pictures) = (job.clone(), self.pictures.clone());
+        let background = Background::spawn(job.name(), self.wake.clone(), move |reporter| {
+            task.run(&pictures, &|progress| reporter.progress(progress))
+        });
+        match background {
+            Ok(background) => self.jobs.push(RunningJob { job, background }),
+            Err(error) => self.reports.push(Action::Report(job.not_started(&error))),
+        }
+    }
+
+    /// What the operations have reported. The application knows which of them it still waits for.
+    fn poll_jobs(&mut self) -> Vec<Action> {
+        let mut actions = Vec::new();
+        for RunningJob { job, background } in &mut self.jobs {
+            while let Some(report) = background.poll() {
+                actions.push(Action::Report(match report {
+                    BackgroundReport::Progress(report) | BackgroundReport::Done(report) => report,
+                    BackgroundReport::Panicked(message) => job.panicked(message),
+                }));
+            }
+        }
+        self.jobs.retain(|running| !running.background.is_over());
+        actions
+    }
+
+    /// Nobody waits any more for what tasks of some kinds are at.
+    fn give_up(&mut self, concerned: impl Fn(Kind) -> bool) {
+        for task in self.tasks.iter_mut().filter(|task| concerned(task.kind)) {
+            task.given_up = true;
+            task.background.stop();
+        }
+    }
+
+    fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
+        if let Some(store) = ready.store {
+            let (document, history) = (ready.opened.document().clone(), ready.opened.history.clone());
+            let held = store.location().clone();
+            let saver = Saver::start(store, document, history, SaverOptions::default(), self.wake.clone());
+            self.saver = Some(saver.map_err(|source| JobError::NoThread { what: "saving".to_owned(), source })?);
+            self.held = Some(held);
+            self.start_trainer(ready.opened.file.clone());
+        }
+        Ok(Action::Opened(Box::new(ready.opened)))
+    }
+
+    /// Starts the trainer of a document that can be written; without one everything else works.
+    fn start_trainer(&mut self, file: PathBuf) {
+        if cfg!(not(feature = "opencv")) {
+            return;
+        }
+        match Trainer::start(file, TrainerOptions::default(), self.pictures.clone(), self.wake.clone()) {
+            Ok(trainer) => self.trainer = Some(trainer),
+            Err(error) => {
+                let text = format!("The system could not start a thread for the trainer: {error}");
+                self.reports.push(Action::Notify(Level::Warning, text));
+            }
+        }
+    }
+
+    /// Opens what a task finds out.
+    fn open(&mut self, name: &str, path: impl FnOnce(OpenWatch<'_>) -> Result<PathBuf, JobError> + Send + 'static) {
+        // Whoever asks for another document does not wait for the one before.
+        self.give_up(|kind| kind == Kind::Opening);
+        self.ready = None;
+        let held = self.held.clone();
+        self.begin(name, Kind::Opening, move |watch| {
+            let tell = |text| watch.tell(Action::Progress(text));
+            open_anything(&path(&tell)?, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
+        });
+    }
+
+    /// Begins a task that reads or writes files beside the open document.
+    fn begin_beside(&mut self, name: &str, task: impl FnOnce(&Location) -> Result<Action, JobError> + Send + 'static) {
+        if let Some(location) = self.held.clone() {
+            self.begin(name, Kind::Beside, move |_| task(&location).map(Outcome::Action));
+        }
+    }
+
+    fn tell_saver(&self, order: impl FnOnce(&Saver)) {
+        if let Some(saver) = &self.saver {
+            order(saver);
+        }
+    }
+
+    fn begin(
+        &mut self,
+        name: &str,
+        kind: Kind,
+        task: impl FnOnce(TaskWatch<'_>) -> Result<Outcome, JobError> + Send + 'static,
+    ) {
+        let background = Background::spawn(name, self.wake.clone(), move |reporter| task(TaskWatch(reporter)));
+        match background {
+            Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
+            Err(source) => {
+                let error = JobError::NoThread { what: format!("“{name}”"), source };
+                self.reports.push(Action::Failed(error.to_string()));
+            }
+        }
+    }
+}
+
+fn actions_of(report: SaverReport) -> Vec<Action> {
+    match report {
+        SaverReport::Journaled { revision, at } => vec![Action::Saved { revision, at: clock(at), document: None }],
+        SaverReport::Saved { revision, at, request, set_aside } => {
+            let said = set_aside.map(|path| {
+                let text = format!("Another program changed the document; its version is kept as {}.", path.display());
+                Action::Notify(Level::Warning, text)
+            });
+            said.into_iter().chain([Action::Saved { revision, at: clock(at), document: Some(request) }]).collect()
+        }
+        SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
+        SaverReport::ChangedOutside { path, own } => vec![Action::ChangedOutside { path, own }],
+        SaverReport::Outside(outside) => vec![Action::Outside(outside)],
+        SaverReport::NeedsWhole => vec![Action::WholeWanted],
+        SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving failed: {message}"))],
+    }
+}
+
+/// What is said of a document that was closed after another program had changed it.
+fn kept_own(path: &Path, own: &Orphan) -> String {
+    let (path, own) = (path.display(), own.path.display());
+    format!("Another program changed {path}; your version is kept as {own}.")
+}
+
+/// The time of day as the window shows it: "12:03:41".
+fn clock(at: jiff::civil::Time) -> String {
+    format!("{:02}:{:02}:{:02}", at.hour(), at.minute(), at.second())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::operation::probe::{Probe, Step};
+    use crate::app::operation::{Breakdown, Failure};
+    use crate::app::{App, Opened, Settings};
+    use std::sync::Arc;
+    use std::sync::mpsc::{Receiver, channel};
+    use touchline_documents::document::{Document, FieldSpec};
+
+    /// An application with a document, and what runs its operations.
+    struct Bench {
+        app: App,
+        runner: Runner,
+        woken: Receiver<()>,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let (wake, woken) = channel();
+            let runner = Runner::new(Arc::new(move || wake.send(()).unwrap_or_default()), SharedPictures::none());
+            let mut app = App::new(Settings::default());
+            app.update(opened());
+            Self { app, runner, woken }
+        }
+
+        fn start(&mut self, probe: Probe) {
+            let effect = self.app.start_probe(probe);
+            self.runner.carry_out(effect);
+        }
+
+        /// Passes reports on until nothing runs any more.
+        fn wait(&mut self) {
+            while self.runner.is_busy() {
+                self.woken.recv().unwrap();
+                for action in self.runner.poll() {
+                    self.app.update(action);
+                }
+            }
+        }
+    }
+
+    fn opened() -> Action {
+        Action::Opened(Box::new(Opened::new(Document::new(FieldSpec::new("soccer")), "/match/project.json")))
+    }
+
+    #[test]
+    fn progress_and_result_of_an_operation_reach_it() {
+        let mut bench = Bench::new();
+        let (probe, steps) = Probe::new();
+        bench.start(probe);
+        steps.send(Step::Report(40)).unwrap();
+        bench.woken.recv().unwrap();
+        for action in bench.runner.poll() {
+            bench.app.update(action);
+        }
+        assert_eq!(bench.app.operations.probe.slot.running().unwrap().progress(), Some(&40));
+        steps.send(Step::Return(7)).unwrap();
+        bench.wait();
+        assert_eq!(bench.app.operations.probe.taken, [Ok(7)]);
+    }
+
+    #[test]
+    fn a_panic_of_any_operation_is_its_failure() {
+        let mut bench = Bench::new();
+        bench.start(Probe::of([Step::Panic]));
+        bench.wait();
+        let message = "the probe broke".to_owned();
+        assert_eq!(bench.app.operations.probe.taken, [Err(Failure::Broken(Breakdown::Panicked(message)))]);
+    }
+
+    #[test]
+    fn another_document_ends_the_work() {
+        let mut bench = Bench::new();
+        bench.start(Probe::of([Step::WaitUntilCancelled]));
+        bench.app.update(opened());
+        bench.wait();
+        assert!(bench.app.operations.probe.taken.is_empty());
+    }
+
+    /// A folder with a document of this many frames.
+    fn project(frames: usize) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |index: usize| {
+            touchline_documents::document::Frame::from_image(&index.to_string(), "main".into(), SIZE).into()
+        };
+        document.frames.extend((0..frames).map(frame));
+        let location = Location::for_new_document(&folder.path().join("project.json")).unwrap();
+        touchline_documents::store::write_document(&location, &document, false).unwrap();
+        folder
+    }
+
+    const SIZE: touchline_core::geometry::ImageSize = touchline_core::geometry::ImageSize::new(64, 48);
+
+    #[test]
+    fn what_was_reported_before_a_document_opened_still_concerns_the_one_before() {
+        let mut bench = Bench::new();
+        let folder = project(1);
+        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        bench
+            .runner
+            .begin("word", Kind::Other, |_| Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned()))));
+        let mut batches = Vec::new();
+        while bench.runner.is_busy() {
+            bench.woken.recv().unwrap();
+            batches.push(bench.runner.poll());
+        }
+        let opened = |batch: &Vec<Action>| batch.iter().any(|action| matches!(action, Action::Opened(_)));
+        let last = batches.iter().position(opened).unwrap();
+        assert_eq!(batches[last].len(), 1, "nothing is reported along with it");
+        assert!(batches[..last].iter().chain(&batches[last + 1..]).flatten().count() > 0, "the word is not lost");
+    }
+
+    #[test]
+    fn the_document_that_is_asked_for_last_opens_alone() {
+        let mut bench = Bench::new();
+        let (first, last) = (project(1), project(2));
+        bench.runner.carry_out(Effect::Open(first.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(last.path().to_path_buf()));
+        bench.wait();
+        assert_eq!(bench.app.open().unwrap().document.frames.len(), 2);
+        assert!(!first.path().join("project.json.lock").exists(), "the other one is let go of");
+    }
+
+    #[test]
+    fn what_was_read_for_another_document_is_passed_over() {
+        let mut bench = Bench::new();
+        let folder = project(1);
+        let (go_on, wait) = channel();
+        bench.runner.begin("read", Kind::Beside, move |_| {
+            let _: Result<(), _> = wait.recv();
+            Ok(Outcome::Action(Action::Notify(Level::Info, "of another document".to_owned())))
+        });
+        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {
+            bench.woken.recv().unwrap();
+            for action in bench.runner.poll() {
+                bench.app.update(action);
+            }
+        }
+        go_on.send(()).unwrap();
+        bench.wait();
+        assert!(bench.app.session.notices.iter().all(|notice| notice.text != "of another document"));
+    }
+
+    #[test]
+    fn dropping_the_runner_ends_the_work_and_waits_for_it() {
+        let mut bench = Bench::new();
+        bench.start(Probe::of([Step::WaitUntilCancelled]));
+        drop(bench.runner);
+        assert!(bench.app.operations.probe.slot.is_running(), "the application was not asked");
+        assert!(bench.woken.try_iter().count() > 0, "it has reported its end");
+    }
+}

@@ -1,0 +1,86 @@
+//! The file in which a user's settings are kept.
+
+use crate::app::Settings;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use touchline_core::files::{plain, read_named_text};
+use touchline_documents::store::write_atomically;
+
+/// Why settings could not be kept.
+#[derive(Debug, Error)]
+pub enum SettingsError {
+    /// The file or its folder cannot be written.
+    #[error("cannot write the settings {path}: {source}; changes last until the window closes", path = .path.display())]
+    Write {
+        /// The settings file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+/// The largest file of settings that is read.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Where the settings of this user live; none on a system without a home.
+#[must_use]
+pub fn settings_path() -> Option<PathBuf> {
+    Some(directories::ProjectDirs::from("", "", "touchline")?.config_dir().join("settings.json"))
+}
+
+/// Reads the settings; what is missing or unreadable takes its default, and the reason is returned beside it.
+#[must_use]
+pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
+    let defaults = |reason: String| {
+        (Settings::default(), Some(format!("settings {}: {reason}; defaults are used", path.display())))
+    };
+    match read_named_text(path, MAX_BYTES) {
+        Ok(text) => match Settings::from_json(&text) {
+            Ok(settings) => (settings, None),
+            Err(error) => defaults(plain(&error.to_string())),
+        },
+        Err(error) if error.kind() == io::ErrorKind::NotFound => (Settings::default(), None),
+        Err(error) => defaults(error.to_string()),
+    }
+}
+
+/// Writes the settings in one piece.
+///
+/// # Errors
+/// The file or its folder cannot be written.
+pub fn save_settings(settings: &Settings, path: &Path) -> Result<(), SettingsError> {
+    let write = || -> io::Result<()> {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        write_atomically(path, serde_json::to_string_pretty(settings)?.as_bytes())
+    };
+    write().map_err(|source| SettingsError::Write { path: path.to_path_buf(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_survive_the_round_trip_and_damage_falls_back_to_defaults() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep").join("settings.json");
+        assert_eq!(load_settings(&path), (Settings::default(), None));
+        let mut settings = Settings::default();
+        settings.remember(Path::new("/matches/a"));
+        settings.overlay.width = 3.5;
+        save_settings(&settings, &path).unwrap();
+        assert_eq!(load_settings(&path), (settings, None));
+        fs::write(&path, "{ not json").unwrap();
+        let (defaults, reason) = load_settings(&path);
+        assert_eq!(defaults, Settings::default());
+        assert!(reason.unwrap().contains("defaults are used"));
+        fs::write(&path, r#"{"text_size": "\u001b[2J"}"#).unwrap();
+        let (_, reason) = load_settings(&path);
+        let reason = reason.unwrap();
+        assert!(!reason.contains(char::is_control), "{reason:?}");
+    }
+}

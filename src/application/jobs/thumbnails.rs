@@ -1,0 +1,236 @@
+//! Makes the small pictures of the filmstrip, whenever the decoder has nothing to do.
+
+use super::frame_orders::{Choice, WorkReport};
+use super::frame_worker::{FrameWorker, MakeReader};
+use super::shared_pictures::SharedReader;
+use super::{Decoder, Wake};
+use std::collections::BTreeSet;
+use std::io;
+use touchline_vision::media::{
+    FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames, THUMBNAIL_SIZE, letterboxed,
+};
+
+/// Memory for thumbnails, bytes: some 2,300 of them.
+const CACHE_BYTES: usize = 128 << 20;
+
+/// What the maker of thumbnails says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ThumbnailReport {
+    /// A thumbnail is made; it is also kept for [`Thumbnails::picture`].
+    Ready {
+        /// Of which frame.
+        frame: FrameRef,
+        /// Its pixels, [`THUMBNAIL_SIZE`] large.
+        picture: Picture,
+    },
+    /// There is no thumbnail to be had. The reason is reported when the user comes to the frame, by the decoder.
+    Failed {
+        /// Of which frame.
+        frame: FrameRef,
+    },
+    /// An internal error of this program or of a library; the job goes on with other frames.
+    Panicked {
+        /// At which frame.
+        frame: FrameRef,
+        /// The panic's message.
+        message: String,
+    },
+    /// An internal error stopped the job: there are no further thumbnails.
+    Broken {
+        /// The panic's message.
+        message: String,
+    },
+}
+
+/// Makes thumbnails on a thread of its own and keeps them. Dropping it stops and joins the thread.
+pub struct Thumbnails {
+    worker: FrameWorker,
+    asked: Vec<FrameRef>,
+    memory: Memory,
+}
+
+/// What the maker remembers on its owner's side.
+struct Memory {
+    cache: FrameCache,
+    failed: BTreeSet<FrameRef>,
+    unpolled: Vec<ThumbnailReport>,
+}
+
+impl Thumbnails {
+    /// Starts the maker. It starts no thumbnail while `decoder` has a frame to decode.
+    ///
+    /// # Errors
+    /// The operating system gives no thread.
+    pub fn spawn(decoder: &Decoder, wake: Wake) -> io::Result<Self> {
+        let pictures = decoder.pictures();
+        let make_reader: MakeReader =
+            Box::new(move |watch| Box::new(SharedReader::new(Box::new(FrameReader::watched(watch)), pictures.clone())));
+        Self::with_reader(decoder, wake, make_reader)
+    }
+
+    /// Starts a maker that reads frames in a way of its own.
+    pub(super) fn with_reader(decoder: &Decoder, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
+        let make_small: MakeReader = Box::new(move |watch| Box::new(SmallReader { full: make_reader(watch) }));
+        Ok(Self {
+            worker: FrameWorker::spawn("thumbnails", wake, Some(decoder.worker()), make_small)?,
+            asked: Vec::new(),
+            memory: Memory { cache: FrameCache::new(CACHE_BYTES), failed: BTreeSet::new(), unpolled: Vec::new() },
+        })
+    }
+
+    /// Asks for the thumbnails of these frames in this order, the visible ones first; what was asked before and is not
+    /// in here is given up. Asking the same again costs nothing.
+    pub fn request(&mut self, frames: &[FrameRef]) {
+        if self.asked == frames {
+            return;
+        }
+        let memory = &mut self.memory;
+        self.worker.replace_queue(|reports| {
+            for report in reports {
+                memory.take_in(report);
+            }
+            let missing = frames.iter().filter(|frame| memory.lacks(frame)).cloned().collect();
+            Choice { wanted: frames.to_vec(), missing }
+        });
+        self.asked = frames.to_vec();
+    }
+
+    /// What has happened since the last call. To be called whenever the window is drawn.
+    pub fn poll(&mut self) -> Vec<ThumbnailReport> {
+        for report in self.worker.fetch_reports() {
+            self.memory.take_in(report);
+        }
+        std::mem::take(&mut self.memory.unpolled)
+    }
+
+    /// The thumbnail of a frame, if it is kept.
+    pub fn picture(&mut self, frame: &FrameRef) -> Option<Picture> {
+        self.memory.cache.get(frame)
+    }
+
+    /// Whether a frame has no thumbnail because it cannot be read.
+    #[must_use]
+    pub fn has_failed(&self, frame: &FrameRef) -> bool {
+        self.memory.failed.contains(frame)
+    }
+}
+
+impl Memory {
+    fn take_in(&mut self, report: WorkReport) {
+        let report = match report {
+            WorkReport::Frame(frame, Ok(picture)) => {
+                self.cache.insert(frame.clone(), picture.clone());
+                ThumbnailReport::Ready { frame, picture }
+            }
+            WorkReport::Frame(frame, Err(_)) => {
+                self.failed.insert(frame.clone());
+                ThumbnailReport::Failed { frame }
+            }
+            WorkReport::Panicked(frame, message) => {
+                self.failed.insert(frame.clone());
+                ThumbnailReport::Panicked { frame, message }
+            }
+            WorkReport::Broken(message) => ThumbnailReport::Broken { message },
+            // The decoder opens the same videos and says it.
+            WorkReport::Counting(_) | WorkReport::Notice(_) => return,
+        };
+        self.unpolled.push(report);
+    }
+
+    fn lacks(&self, frame: &FrameRef) -> bool {
+        !self.cache.contains(frame) && !self.failed.contains(frame)
+    }
+}
+
+/// Reads frames small.
+struct SmallReader {
+    full: Box<dyn ReadFrames>,
+}
+
+impl ReadFrames for SmallReader {
+    fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        Ok(letterboxed(&self.full.read(frame)?, THUMBNAIL_SIZE))
+    }
+
+    fn take_notices(&mut self) -> Vec<Notice> {
+        self.full.take_notices()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stand_in::{Controller, Reply, frame, stand_in};
+    use super::*;
+    use crate::jobs::DecoderOptions;
+    use std::sync::mpsc::TryRecvError;
+
+    fn held_pair() -> (Decoder, Controller, Thumbnails, Controller) {
+        let (make_reader, wake, decoder_controller) = stand_in();
+        let decoder = Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap();
+        let (make_reader, wake, controller) = stand_in();
+        let thumbnails = Thumbnails::with_reader(&decoder, wake, make_reader).unwrap();
+        (decoder, decoder_controller, thumbnails, controller)
+    }
+
+    #[test]
+    fn thumbnails_are_small_and_kept() {
+        let (_decoder, _, mut thumbnails, controller) = held_pair();
+        thumbnails.request(&[frame(3), frame(4)]);
+        controller.let_out(Reply::Picture);
+        let reports = controller.poll_until(|| thumbnails.poll());
+        let [ThumbnailReport::Ready { frame: of, picture }] = reports.as_slice() else { panic!("{reports:?}") };
+        assert_eq!((of, picture.size()), (&frame(3), THUMBNAIL_SIZE));
+        assert_eq!(thumbnails.picture(&frame(3)).as_ref(), Some(picture));
+        controller.let_out(Reply::Missing);
+        assert_eq!(controller.poll_until(|| thumbnails.poll()), [ThumbnailReport::Failed { frame: frame(4) }]);
+        assert!(thumbnails.has_failed(&frame(4)) && !thumbnails.has_failed(&frame(3)));
+        // Neither is read again.
+        thumbnails.request(&[frame(5), frame(4), frame(3)]);
+        controller.let_out(Reply::Panic);
+        let message = "frame 5 is cursed".to_owned();
+        assert_eq!(
+            controller.poll_until(|| thumbnails.poll()),
+            [ThumbnailReport::Panicked { frame: frame(5), message }]
+        );
+        assert_eq!(controller.begun.try_iter().collect::<Vec<_>>(), [3, 4, 5]);
+    }
+
+    #[test]
+    fn thumbnails_wait_for_the_decoder() {
+        let (mut decoder, decoder_controller, mut thumbnails, controller) = held_pair();
+        decoder.request(&frame(0), &[frame(1)]);
+        assert_eq!(decoder_controller.next_begun(), 0);
+        thumbnails.request(&[frame(9)]);
+        decoder_controller.let_out(Reply::Picture);
+        assert_eq!(decoder_controller.next_begun(), 1);
+        assert_eq!(controller.begun.try_recv(), Err(TryRecvError::Empty));
+        decoder_controller.let_out(Reply::Picture);
+        assert_eq!(controller.next_begun(), 9);
+        controller.let_out(Reply::Picture);
+        assert_eq!(controller.poll_until(|| thumbnails.poll()).len(), 1);
+    }
+
+    #[test]
+    fn dropping_ends_the_wait_for_the_decoder() {
+        let (mut decoder, decoder_controller, mut thumbnails, _hand) = held_pair();
+        decoder.request(&frame(0), &[]);
+        assert_eq!(decoder_controller.next_begun(), 0);
+        thumbnails.request(&[frame(9)]);
+        drop(thumbnails);
+        decoder_controller.let_out(Reply::Picture);
+        drop(decoder);
+    }
+
+    #[test]
+    fn thumbnails_outlive_the_decoder() {
+        let (mut decoder, decoder_controller, mut thumbnails, controller) = held_pair();
+        decoder_controller.let_out(Reply::Picture);
+        decoder.request(&frame(0), &[frame(1)]);
+        decoder_controller.let_out_pictures(1);
+        drop(decoder);
+        thumbnails.request(&[frame(9)]);
+        assert_eq!(controller.next_begun(), 9);
+        controller.let_out(Reply::Picture);
+        assert_eq!(controller.poll_until(|| thumbnails.poll()).len(), 1);
+    }
+}

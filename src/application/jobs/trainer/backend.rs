@@ -1,0 +1,258 @@
+//! The backend of the trainer: the operations on forests and frames; tests use another one.
+
+use super::super::shared_pictures::{SharedPictures, SharedReader};
+use super::error::TrainerError;
+use super::kept_forest::{keep_forest, kept_forest};
+use super::mailbox::TrainerMailbox;
+use super::watch::Watch;
+use crate::app::{Doing, Share, UnusableReference};
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_calibration::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
+use touchline_calibration::proposals::{
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnError, LearnOptions, LineEvidence, NoProposal,
+    Proposal, Quality, Studied, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose,
+    study,
+};
+use touchline_documents::document::{Document, Fields};
+use touchline_vision::media::FrameReader;
+use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped};
+
+/// The operations of the trainer. Long ones ask their watch whether to go on.
+pub(super) trait Backend {
+    /// The forest that an earlier session stored, if it was trained with exactly this training set.
+    ///
+    /// # Errors
+    /// There is one, but it cannot be used.
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError>;
+
+    /// A forest of these training frames; none where the watch ended it.
+    ///
+    /// # Errors
+    /// There cannot be one.
+    fn learn(
+        &mut self,
+        document: &Document,
+        training_frames: &[usize],
+        training_set: &TrainingSet,
+        watch: &Watch<'_>,
+    ) -> Result<Option<Learnt>, TrainerError>;
+
+    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where the watch, which
+    /// receives the number done, ended it.
+    fn propose(
+        &mut self,
+        document: &Document,
+        frames: &[usize],
+        forest: (&ForestModel, u64),
+        snapping: bool,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Vec<Proposal>;
+
+    /// Carries cameras through a window of a video, after a forest's answers; none where the watch, which receives the number of
+    /// pictures done, ended it.
+    fn carry(
+        &mut self,
+        document: &Document,
+        window: &KeyWindow,
+        generation: u64,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Option<Vec<CarriedProposal>>;
+
+    /// The accuracy of a forest of these training frames, and which of them contradict others; none where the watch ended it.
+    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured>;
+
+    /// How a forest uses a frame's features; none where the frame cannot be read.
+    fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
+
+    /// Why nothing is kept on disk, if so.
+    fn not_kept(&self) -> Option<String>;
+
+    /// The folder of the document.
+    fn folder(&self) -> &Path;
+}
+
+/// A forest that has just been trained.
+pub(super) struct Learnt {
+    pub(super) model: ForestModel,
+    /// The number of features it was trained with.
+    pub(super) features: usize,
+    /// Training frames that cannot be used.
+    pub(super) failed: Vec<UnusableReference>,
+}
+
+/// The accuracy of the forest, and suspicious references.
+pub(super) struct Measured {
+    /// What the forest finds; none where there is nothing to leave out.
+    pub(super) quality: Option<Quality>,
+    /// References whose labels contradict others.
+    pub(super) suspects: Vec<Suspect>,
+}
+
+/// The backend that trains and asks forests, with features stored beside the document.
+pub(super) struct ForestBackend {
+    folder: PathBuf,
+    place: WorkFolder,
+    store: FeatureStore,
+    reader: SharedReader,
+    options: LearnOptions,
+    relocalizing: RelocalizeOptions,
+    /// Why the forest was not kept, if so.
+    forest_refused: Option<String>,
+}
+
+impl ForestBackend {
+    /// The backend of a document at `file`; frames among `pictures` are not decoded again.
+    pub(super) fn new(file: &Path, mailbox: Arc<TrainerMailbox>, pictures: SharedPictures) -> Self {
+        let place = WorkFolder::beside(file);
+        // Counting the frames of a long video is given up when the document is closed.
+        let counting = move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
+        Self {
+            folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
+            store: FeatureStore::on_disk(&place),
+            place,
+            reader: SharedReader::new(Box::new(FrameReader::watched(Box::new(counting))), pictures),
+            options: LearnOptions::default(),
+            relocalizing: RelocalizeOptions::default(),
+            forest_refused: None,
+        }
+    }
+
+    fn study(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Studied> {
+        let pictures =
+            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let done = AtomicUsize::new(0);
+        study(&pictures, &mut self.reader, training_frames, &|| {
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            watch.tell(Doing::Features(Share { done, of: training_frames.len() }))
+        })
+    }
+}
+
+impl Backend for ForestBackend {
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
+        Ok(kept_forest(&self.place, training_set, &self.options.features)?)
+    }
+
+    fn learn(
+        &mut self,
+        document: &Document,
+        training_frames: &[usize],
+        training_set: &TrainingSet,
+        watch: &Watch<'_>,
+    ) -> Result<Option<Learnt>, TrainerError> {
+        let Some(studied) = self.study(document, training_frames, watch) else { return Ok(None) };
+        let learnt = learn(document, &studied, &self.options, &|progress| {
+            watch.tell(Doing::Training(Share { done: progress.placed, of: progress.total }))
+        });
+        let mut model = match (learnt, studied.failed.first()) {
+            (Ok(model), _) => model,
+            (Err(LearnError::Stopped(Stopped::Asked)), _) => return Ok(None),
+            (Err(LearnError::Stopped(Stopped::NoSamples { .. })), Some((index, first))) => {
+                let frame = document.frames[*index].name();
+                return Err(TrainerError::NoneUsable { frame, first: first.clone() });
+            }
+            (Err(error), _) => return Err(error.into()),
+        };
+        self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
+        let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
+        let frame = |index: usize| document.frames[index].id.clone();
+        let failed = studied.failed.into_iter().map(|(index, error)| UnusableReference { frame: frame(index), error });
+        Ok(Some(Learnt { model, features, failed: failed.collect() }))
+    }
+
+    fn propose(
+        &mut self,
+        document: &Document,
+        frames: &[usize],
+        (model, generation): (&ForestModel, u64),
+        snapping: bool,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Vec<Proposal> {
+        let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
+        let at = document.at(&self.folder);
+        // A field that is not valid is named where the document is opened.
+        let evidence = LineEvidence::of(at, &mut self.reader, snapping).ok();
+        let mut made = Vec::with_capacity(frames.len());
+        // A few at a time, so that a pause is a pause.
+        for few in frames.chunks(rayon::current_num_threads()) {
+            if watch(made.len()).is_break() {
+                break;
+            }
+            let proposals = pictures.each(&mut self.reader, few, |index, _, found| {
+                let asked = || propose(document, index, found, (model, generation), &self.relocalizing);
+                ControlFlow::Continue(catch_unwind(AssertUnwindSafe(asked)).unwrap_or_else(|panic| {
+                    let message = super::super::panic_message(panic.as_ref());
+                    Proposal::without_answer(document, index, generation, NoProposal::Panicked { message })
+                }))
+            });
+            let mut proposals = proposals.unwrap_or_default();
+            if let Some(evidence) = &evidence {
+                let min_confidence = self.relocalizing.pose.min_confidence;
+                evidence.judge(at, &mut self.reader, &mut proposals, min_confidence);
+            }
+            made.append(&mut proposals);
+        }
+        made
+    }
+
+    fn carry(
+        &mut self,
+        document: &Document,
+        window: &KeyWindow,
+        generation: u64,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Option<Vec<CarriedProposal>> {
+        let at = document.at(&self.folder);
+        let first = window.keys.first().and_then(|place| document.frames.get(*place));
+        // A field that is not valid is named where the document is opened.
+        let Some((first, fields)) = first.zip(Fields::of(at).ok()) else { return Some(Vec::new()) };
+        let pictures = window.clip.frames.len();
+        let mut told = |progress| match progress {
+            ClipProgress::Following(done, _) => watch(done / 2),
+            ClipProgress::Painting(done, of) => watch(pictures / 2 + pictures * done / (2 * of.max(1))),
+            ClipProgress::Adjusting => watch(pictures / 2),
+        };
+        let (field, options) = (fields.of_frame(document, first), TrackClipOptions::default());
+        let mut evidence = ClipEvidence::default();
+        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &mut told) {
+            Ok(clip) => {
+                let carried = clip.frames.iter();
+                Some(carried.filter_map(|tracked| CarriedProposal::of(document, &clip, tracked, generation)).collect())
+            }
+            Err(TrackClipError::Stopped) => None,
+            // The forest is asked for these frames instead.
+            Err(_) => Some(Vec::new()),
+        }
+    }
+
+    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured> {
+        let pictures =
+            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let measuring = |done, of| watch.tell(Doing::Measuring(Share { done, of }));
+        let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &|| measuring(0, 0))?;
+        let (options, relocalizing) = (&self.options, &self.relocalizing);
+        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &measuring);
+        watch.is_wanted().then_some(Measured { quality, suspects })
+    }
+
+    fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures> {
+        let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
+        let used = pictures.each(&mut self.reader, &[frame], |index, _, found| {
+            let used = |found| UsedFeatures::of(document, index, &found, model, &self.relocalizing);
+            ControlFlow::Continue(found.ok().map(used))
+        });
+        used?.pop()?
+    }
+
+    fn not_kept(&self) -> Option<String> {
+        self.store.refusal().or_else(|| self.forest_refused.clone())
+    }
+
+    fn folder(&self) -> &Path {
+        &self.folder
+    }
+}

@@ -1,0 +1,524 @@
+//! What the trainer does next, and doing it.
+
+use super::TrainerOptions;
+use super::answer_cache::{AnswerCache, Asking};
+use super::backend::{Backend, Learnt, Measured};
+use super::mailbox::{Orders, TrainerMailbox};
+use super::watch::{Until, Watch};
+use super::windows::Windows;
+use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
+use std::any::Any;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use touchline_calibration::proposals::{
+    AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
+};
+use touchline_documents::document::{Document, FrameId};
+use touchline_vision::relocalize::ForestModel;
+
+/// Frames that are asked for at a time; orders are looked at in between.
+const BATCH: usize = 4;
+
+/// Proposals are reported at the latest when this many are waiting.
+const GATHER_MOST: usize = 64;
+
+/// After a training proposals have their turn, but no longer than this.
+const LONGEST_TURN: Duration = Duration::from_secs(20);
+
+/// What is known and what has been done.
+pub(super) struct Work<C> {
+    mailbox: Arc<TrainerMailbox>,
+    backend: C,
+    options: TrainerOptions,
+    orders: Orders,
+    document: Document,
+    training_frames: TrainingFrames,
+    training_set: TrainingSet,
+    /// When the training set changed last.
+    changed: Instant,
+    forest: Option<Forest>,
+    generation: u64,
+    /// The disk was looked at for a forest.
+    recalled: bool,
+    /// There can be no forest of this.
+    failed: Option<TrainingSet>,
+    /// Until then proposals have their turn.
+    turn_until: Instant,
+    answer_cache: AnswerCache,
+    windows: Windows,
+    /// Frames between key frames that cameras have been carried to, as long as there are more.
+    carried: usize,
+    queue: Queue,
+    /// The frame whose features were shown last, and by which forest.
+    shown: Option<(FrameId, u64)>,
+    measured: u64,
+    gathered: Vec<Proposal>,
+    gathered_since: Instant,
+    status: TrainerStatus,
+}
+
+/// The forest that answers.
+struct Forest {
+    model: Arc<ForestModel>,
+    training_set: TrainingSet,
+}
+
+/// Frames to ask for, and what the queue was made for.
+#[derive(Default)]
+struct Queue {
+    first: VecDeque<usize>,
+    rest: VecDeque<usize>,
+    /// Frames of videos between key frames: asked for only where no camera was carried to them.
+    between: VecDeque<usize>,
+    made_for: Option<(u64, Option<FrameId>, Asking)>,
+}
+
+/// What is to be done next.
+enum Step {
+    Recall,
+    Learn,
+    ShowFeatures(usize),
+    Propose(Vec<usize>),
+    Carry(Box<KeyWindow>),
+    Measure,
+    /// Wait for an order, but not beyond a time.
+    Wait(Doing, Option<Instant>),
+}
+
+impl<C: Backend> Work<C> {
+    pub(super) fn new(mailbox: Arc<TrainerMailbox>, backend: C, options: TrainerOptions) -> Self {
+        let now = Instant::now();
+        Self {
+            mailbox,
+            backend,
+            options,
+            orders: Orders::default(),
+            document: Document::new(touchline_documents::document::FieldSpec::new("")),
+            training_frames: TrainingFrames::default(),
+            training_set: TrainingSet::default(),
+            changed: now,
+            forest: None,
+            generation: 0,
+            recalled: false,
+            failed: None,
+            turn_until: now,
+            answer_cache: AnswerCache::default(),
+            windows: Windows::default(),
+            carried: 0,
+            queue: Queue::default(),
+            shown: None,
+            measured: 0,
+            gathered: Vec::new(),
+            gathered_since: now,
+            status: TrainerStatus::default(),
+        }
+    }
+
+    /// Works until it is stopped.
+    pub(super) fn run(mut self) {
+        while let Some(orders) = self.mailbox.peek(Orders::clone) {
+            self.take_in(orders);
+            let step = self.next();
+            if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
+                self.hand_over();
+            }
+            match step {
+                Step::Recall => self.recall(),
+                Step::Learn => self.learn(),
+                Step::ShowFeatures(frame) => self.show_features(frame),
+                Step::Propose(frames) => self.propose(&frames),
+                Step::Carry(window) => self.carry(&window),
+                Step::Measure => self.measure(),
+                Step::Wait(doing, until) => {
+                    self.report(doing);
+                    self.mailbox.wait(self.orders.number, until);
+                }
+            }
+        }
+    }
+
+    fn take_in(&mut self, orders: Orders) {
+        if self.orders.paused && !orders.paused {
+            // Pausing and resuming is how the user retries.
+            self.failed = None;
+        }
+        if orders.edition != self.orders.edition
+            && let Some(document) = &orders.document
+        {
+            self.windows.look_at(document, self.backend.folder());
+            self.document = self.windows.with_answers(document.clone());
+            self.training_frames = TrainingFrames::of_solved(document);
+            let training_set = TrainingSet::of(document, &self.training_frames.frames);
+            if training_set != self.training_set {
+                let before = std::mem::replace(&mut self.training_set, training_set);
+                self.forget_changed(&before);
+                self.changed = Instant::now();
+            }
+            self.answer_cache.look_at(&self.document);
+            let TrainingFrames { frames, references, withheld } = &self.training_frames;
+            (self.status.references, self.status.training_frames, self.status.withheld) =
+                (*references, frames.len(), *withheld);
+            self.count();
+        }
+        if !orders.features {
+            self.shown = None;
+        }
+        self.orders = orders;
+    }
+
+    fn next(&mut self) -> Step {
+        if self.orders.paused {
+            return Step::Wait(Doing::Paused, None);
+        }
+        if self.training_set.is_empty() {
+            self.forget();
+            return Step::Wait(Doing::Nothing, None);
+        }
+        let taught = self.forest.as_ref().map(|forest| &forest.training_set);
+        let is_taught = taught == Some(&self.training_set);
+        // A forest that was trained with something withdrawn is no longer used.
+        let serves = taught.is_some_and(|taught| self.training_set.contains(taught));
+        let is_due = !is_taught && self.failed.as_ref() != Some(&self.training_set);
+        let mut due = None;
+        if is_due {
+            if !self.recalled {
+                return Step::Recall;
+            }
+            let settled = self.changed + self.options.settle;
+            let turn = if serves && self.has_to_ask() { self.turn_until } else { settled };
+            if Instant::now() >= settled.max(turn) {
+                return Step::Learn;
+            }
+            due = Some(settled.max(turn));
+        }
+        if serves {
+            let is_shown =
+                |id: &FrameId| matches!(&self.shown, Some((shown, by)) if shown == id && *by == self.generation);
+            if self.orders.features
+                && let Some(position) = self.current()
+                && !is_shown(&self.document.frames[position].id)
+            {
+                return Step::ShowFeatures(position);
+            }
+            if let Some(frames) = self.take_from_queue(|queue| &mut queue.first) {
+                return Step::Propose(frames);
+            }
+            if is_taught && self.measured != self.generation {
+                return Step::Measure;
+            }
+            if let Some(frames) = self.take_from_queue(|queue| &mut queue.rest) {
+                return Step::Propose(frames);
+            }
+            if let Some(window) = self.due_window() {
+                return Step::Carry(Box::new(window));
+            }
+            self.carried = 0;
+            if let Some(frames) = self.take_from_queue(|queue| &mut queue.between) {
+                return Step::Propose(frames);
+            }
+        }
+        Step::Wait(if due.is_some() { Doing::Settling } else { Doing::Nothing }, due)
+    }
+
+    /// What was found out about a reference holds while it is in the training set as it was.
+    fn forget_changed(&mut self, before: &TrainingSet) {
+        let is_unchanged = |id: &FrameId| {
+            let position = self.document.frames.position_of(id);
+            let sample = position.map(|position| TrainingSet::of(&self.document, &[position]));
+            sample.is_some_and(|sample| before.contains(&sample) && self.training_set.contains(&sample))
+        };
+        let status = &mut self.status;
+        status.suspects = status.suspects.iter().filter(|suspect| is_unchanged(&suspect.frame)).cloned().collect();
+        status.failed = status.failed.iter().filter(|failed| is_unchanged(&failed.frame)).cloned().collect();
+    }
+
+    /// Nothing is taught any more.
+    fn forget(&mut self) {
+        if self.forest.take().is_some() {
+            self.answer_cache.trust_from(self.generation + 1);
+        }
+        self.status = TrainerStatus {
+            references: self.status.references,
+            withheld: self.status.withheld,
+            answered: self.status.answered,
+            not_kept: self.status.not_kept.take(),
+            ..TrainerStatus::default()
+        };
+    }
+
+    fn recall(&mut self) {
+        self.recalled = true;
+        match self.backend.recall(&self.training_set) {
+            Ok(Some(model)) => {
+                let facts = ForestFacts { references: self.training_frames.frames.len(), ..facts(&model) };
+                self.take_forest(model, self.training_set.clone(), facts);
+            }
+            Ok(None) => {}
+            // Training it again solves the problem.
+            Err(error) => self.status.trouble = Some(error.to_string()),
+        }
+    }
+
+    fn learn(&mut self) {
+        let begun = Instant::now();
+        let (document, training_frames) = (self.document.clone(), self.training_frames.frames.clone());
+        let training_set = self.training_set.clone();
+        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
+        let backend = &mut self.backend;
+        let learnt =
+            catch_unwind(AssertUnwindSafe(|| backend.learn(&document, &training_frames, &training_set, &watch)));
+        match learnt {
+            Ok(Ok(None)) => {}
+            Ok(Ok(Some(Learnt { model, features, failed }))) => {
+                let took = begun.elapsed();
+                let facts = ForestFacts {
+                    references: training_frames.len() - failed.len(),
+                    features,
+                    took: Some(took),
+                    ..facts(&model)
+                };
+                self.status.failed = failed.into();
+                self.status.trouble = None;
+                self.turn_until = Instant::now() + took.min(LONGEST_TURN);
+                self.take_forest(model, training_set, facts);
+            }
+            Ok(Err(error)) => {
+                self.status.trouble = Some(error.to_string());
+                self.failed = Some(training_set);
+            }
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("learning", panic.as_ref()));
+                self.failed = Some(training_set);
+            }
+        }
+        self.status.not_kept = self.backend.not_kept();
+    }
+
+    fn take_forest(&mut self, model: ForestModel, training_set: TrainingSet, facts: ForestFacts) {
+        self.generation += 1;
+        if self.forest.as_ref().is_some_and(|before| !training_set.contains(&before.training_set)) {
+            self.answer_cache.trust_from(self.generation);
+        }
+        self.status.forest = Some(ForestFacts { generation: self.generation, ..facts });
+        self.forest = Some(Forest { model: Arc::new(model), training_set });
+        self.survey();
+    }
+
+    fn propose(&mut self, frames: &[usize]) {
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let done = self.answer_cache.given_by(self.asking());
+        let queue = &self.queue;
+        let between = if queue.rest.is_empty() { queue.between.len() } else { 0 };
+        let of = done + frames.len() + queue.first.len() + queue.rest.len() + between;
+        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
+        let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
+        let (document, asked) = (&self.document, self.asking());
+        let Asking { generation, snapping } = asked;
+        let backend = &mut self.backend;
+        let proposed = catch_unwind(AssertUnwindSafe(|| {
+            backend.propose(document, frames, (&model, generation), snapping, &asking)
+        }));
+        let proposals = proposed.unwrap_or_else(|panic| {
+            self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
+            let message = super::super::panic_message(panic.as_ref());
+            let none = |index: &usize| {
+                let reason = NoProposal::Panicked { message: message.clone() };
+                Proposal::without_answer(document, *index, generation, reason)
+            };
+            frames.iter().map(none).collect()
+        });
+        if proposals.len() < frames.len() {
+            self.queue.made_for = None;
+        }
+        if self.gathered.is_empty() {
+            self.gathered_since = Instant::now();
+        }
+        for proposal in &proposals {
+            self.answer_cache.enter(proposal, asked);
+            // What is carried begins from what was just answered.
+            if let Some(frame) = self.document.frames.by_id_mut(&proposal.frame).filter(|frame| frame.is_open()) {
+                proposal.record(frame);
+            }
+        }
+        self.gathered.extend(proposals);
+        if self.gathered.len() >= GATHER_MOST {
+            self.hand_over();
+        }
+    }
+
+    /// The next window through which cameras are to be carried.
+    fn due_window(&self) -> Option<KeyWindow> {
+        let (model, asking) = (&self.forest.as_ref()?.model, self.asking());
+        let wanted = |index| self.answer_cache.wants(&self.document, index, model, asking);
+        self.windows.due(&self.document, self.current().unwrap_or(0), wanted).cloned()
+    }
+
+    fn carry(&mut self, window: &KeyWindow) {
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let asking = self.asking();
+        let wanted = |index| self.answer_cache.wants(&self.document, index, &model, asking);
+        let waiting = self.windows.waiting(&self.document, wanted);
+        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
+        let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
+        let before = self.carried;
+        let share = |done: usize| Share { done: before + done.min(window.between.len()), of: before + waiting };
+        let tell = |done| watch.tell(Doing::Carrying(share(done)));
+        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &tell)));
+        let carried = match carried {
+            // What was ended is begun again.
+            Ok(None) => return,
+            Ok(Some(carried)) => carried,
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("carrying cameras", panic.as_ref()));
+                Vec::new()
+            }
+        };
+        self.carried += window.between.len();
+        let news = self.windows.enter(window, &self.document, carried);
+        for carried in &news {
+            let is_key = |place: usize| window.keys.contains(&place);
+            if let Some(place) = self.document.frames.position_of(&carried.frame).filter(|place| !is_key(*place)) {
+                carried.record(&mut self.document.frames[place]);
+            }
+        }
+        if !news.is_empty() {
+            self.mailbox.carry(news);
+        }
+    }
+
+    /// Somebody looks at the features of a frame.
+    fn show_features(&mut self, frame: usize) {
+        self.shown = Some((self.document.frames[frame].id.clone(), self.generation));
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let (backend, document) = (&mut self.backend, &self.document);
+        match catch_unwind(AssertUnwindSafe(|| backend.features(document, frame, &model))) {
+            Ok(Some(used)) => self.mailbox.show_features(used),
+            // The picture is missing: the viewport says so.
+            Ok(None) => {}
+            Err(panic) => self.status.trouble = Some(broke_down("looking at features", panic.as_ref())),
+        }
+    }
+
+    /// Reports what has been gathered.
+    fn hand_over(&mut self) {
+        if self.gathered.is_empty() {
+            return;
+        }
+        self.count();
+        self.mailbox.propose(std::mem::take(&mut self.gathered));
+    }
+
+    fn count(&mut self) {
+        self.status.answered = self.answer_cache.answered(&self.document);
+        self.status.unanswered = self.answer_cache.unanswered(&self.document);
+    }
+
+    fn measure(&mut self) {
+        let document = self.document.clone();
+        let training_frames = &self.training_frames.frames;
+        let watch =
+            Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
+        let backend = &mut self.backend;
+        let measured = catch_unwind(AssertUnwindSafe(|| backend.measure(&document, training_frames, &watch)));
+        // What was ended is begun again.
+        match measured {
+            Ok(None) => return,
+            Ok(Some(Measured { quality, suspects })) => {
+                if let Some(quality) = &quality {
+                    self.bound(quality);
+                }
+                self.status.quality = quality.map(Arc::new);
+                self.status.suspects = suspects.into();
+            }
+            Err(panic) => self.status.trouble = Some(broke_down("measuring quality", panic.as_ref())),
+        }
+        self.measured = self.generation;
+    }
+
+    /// Where references that were left out got wrong answers that were stated to be certain, the forest states less, and what
+    /// it has answered is asked again.
+    fn bound(&mut self, quality: &Quality) {
+        let shown = quality.shown();
+        let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else { return };
+        if shown.right == shown.certain {
+            return;
+        }
+        let mut model = (*forest.model).clone();
+        quality.bound(&self.document, &mut model);
+        let (training_set, facts) = (forest.training_set.clone(), *facts);
+        self.take_forest(model, training_set, facts);
+    }
+
+    /// Draws the maps of what references see.
+    fn survey(&mut self) {
+        let training_frames = &self.training_frames.frames;
+        self.status.coverage = Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
+    }
+
+    /// The next frames of a part of the queue.
+    fn take_from_queue(&mut self, part: fn(&mut Queue) -> &mut VecDeque<usize>) -> Option<Vec<usize>> {
+        self.has_to_ask();
+        let (model, asking) = (Arc::clone(&self.forest.as_ref()?.model), self.asking());
+        let mut taken = Vec::new();
+        while taken.len() < BATCH
+            && let Some(index) = part(&mut self.queue).pop_front()
+        {
+            if self.answer_cache.wants(&self.document, index, &model, asking) {
+                taken.push(index);
+            }
+        }
+        (!taken.is_empty()).then_some(taken)
+    }
+
+    /// Brings the queue up to date; whether a frame is to be asked for.
+    fn has_to_ask(&mut self) -> bool {
+        let Some(forest) = &self.forest else { return false };
+        let asking = self.asking();
+        let made_for = Some((self.orders.edition, self.orders.frame.clone(), asking));
+        if self.queue.made_for != made_for {
+            let wanted = |index| self.answer_cache.wants(&self.document, index, &forest.model, asking);
+            let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
+            let (between, rest): (Vec<usize>, Vec<usize>) =
+                rest.into_iter().partition(|index| self.windows.holds_back(*index));
+            let is_left = |index: &usize| !self.windows.has_given(&self.document.frames[*index].id);
+            let between = between.into_iter().filter(is_left).collect();
+            self.queue = Queue { first: first.into(), rest: rest.into(), between, made_for };
+        }
+        !(self.queue.first.is_empty() && self.queue.rest.is_empty() && self.queue.between.is_empty())
+    }
+
+    /// How frames are asked for now.
+    const fn asking(&self) -> Asking {
+        Asking { generation: self.generation, snapping: self.orders.snapping }
+    }
+
+    /// Where the shown frame stands in the document; the first frame before anything was said of it.
+    fn current(&self) -> Option<usize> {
+        match &self.orders.frame {
+            Some(id) => self.document.frames.position_of(id),
+            None => (!self.document.frames.is_empty()).then_some(0),
+        }
+    }
+
+    fn report(&mut self, doing: Doing) {
+        self.status.doing = doing;
+        self.mailbox.report(&self.status);
+    }
+}
+
+/// What a forest is made of.
+fn facts(model: &ForestModel) -> ForestFacts {
+    let count = |of: fn(&touchline_vision::relocalize::CameraForest) -> usize| model.cameras.iter().map(of).sum();
+    ForestFacts {
+        trees: count(|camera| camera.forest.trees()),
+        leaves: count(|camera| camera.forest.leaves()),
+        ..ForestFacts::default()
+    }
+}
+
+fn broke_down(what: &str, panic: &(dyn Any + Send)) -> String {
+    let message = super::super::panic_message(panic);
+    format!("Internal error while {what} (please report it): {message}. Pause and resume to try again.")
+}

@@ -1,0 +1,14 @@
+//! The application without its window, and what runs and draws for it. For the program and its tests alone: it may change at any
+//! time.
+//!
+//! | floor | rooms |
+//! |---|---|
+//! | 7 | [`jobs`] (the only detached threads), `render` (wgpu, no egui) |
+//! | 6 | [`app`] (the whole application without a window) |
+//! | 5 | [`scene`] (what is drawn, as plain data) |
+
+pub mod app;
+pub mod jobs;
+#[cfg(feature = "render")]
+pub mod render;
+pub mod scene;

@@ -1,0 +1,61 @@
+//! A heat map over the picture: a small texture of levels, coloured by the shader.
+
+use super::gpu::Gpu;
+use super::stroke::rgba;
+use crate::scene::uncertainty::{HEAT_STOPS, HeatMap};
+use bytemuck::{Pod, Zeroable};
+use touchline_core::geometry::ImageSize;
+
+/// One heat map; the fields are those of `Instance` in `heat.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct HeatInstance {
+    size: [f32; 2],
+    opacity: f32,
+    colours: [[u8; 4]; HEAT_STOPS.len()],
+}
+
+/// How [`HeatInstance`] lies in a vertex buffer.
+pub(super) const HEAT_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+    0 => Float32x2, 1 => Float32, 2 => Unorm8x4, 3 => Unorm8x4, 4 => Unorm8x4, 5 => Unorm8x4, 6 => Unorm8x4
+];
+
+impl HeatInstance {
+    pub fn new(image_size: ImageSize, opacity: f32) -> Self {
+        let size = [image_size.width as f32, image_size.height as f32];
+        Self { size, opacity, colours: HEAT_STOPS.map(rgba) }
+    }
+}
+
+/// The levels on the GPU, to be drawn once; none for a map without cells.
+pub(super) fn bind(gpu: &Gpu<'_>, layout: &wgpu::BindGroupLayout, heat: &HeatMap) -> Option<wgpu::BindGroup> {
+    let [width, height] = heat.size;
+    if width == 0 || heat.levels.len() != (width * height) as usize {
+        return None;
+    }
+    // A format that every adapter reads has 8 bits: a low and a high byte.
+    let bytes: Vec<u8> = heat.levels.iter().flat_map(|level| level.to_le_bytes()).collect();
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("heat map"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rg8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        &bytes,
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(2 * width), rows_per_image: Some(height) },
+        size,
+    );
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("heat map"),
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+    }))
+}

@@ -1,0 +1,49 @@
+//! The wgpu layers: frame picture, anti-aliased lines, points; on screen and off.
+//!
+//! A canvas shows [`Layer`]s, the lowest first: pictures and plain-data drawings ([`crate::scene::drawing`]). A [`Renderer`]
+//! uploads them in `prepare` and draws them in `paint`, into a pass that belongs to the window or to an [`Offscreen`]
+//! target. Everything stays in gamma space with premultiplied alpha; edges are smoothed by the shaders, one sample per
+//! pixel. `stroke.rs` explains how strokes stay even where they join and cross.
+
+mod canvas;
+mod fill;
+mod gpu;
+mod group;
+mod heat;
+mod layer;
+mod marker;
+mod mipmap;
+mod offscreen;
+mod picture;
+mod pipelines;
+mod renderer;
+mod stroke;
+mod text;
+mod view;
+
+pub use gpu::Gpu;
+pub use layer::{Layer, PictureKey, PictureLayer};
+pub use offscreen::{AdapterReport, Offscreen, RenderError};
+pub use picture::SMOOTH_UP_TO_SCALE;
+pub use renderer::{CanvasId, Renderer};
+
+pub use view::View;
+
+/// A pass that clears one target and draws on it.
+fn begin_pass<'encoder>(
+    encoder: &'encoder mut wgpu::CommandEncoder,
+    label: &str,
+    target: &wgpu::TextureView,
+    clear: wgpu::Color,
+) -> wgpu::RenderPass<'encoder> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+        })],
+        ..wgpu::RenderPassDescriptor::default()
+    })
+}

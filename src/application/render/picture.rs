@@ -1,0 +1,186 @@
+//! Frames on the GPU: uploaded once, kept while they are likely to be shown again.
+
+use super::gpu::Gpu;
+use super::layer::{PictureKey, PictureLayer};
+use super::mipmap::MipmapMaker;
+use super::view::View;
+use bytemuck::{Pod, Zeroable};
+use image::RgbaImage;
+use lru::LruCache;
+use std::num::NonZeroUsize;
+use touchline_core::geometry::ImageSize;
+use touchline_vision::media;
+
+/// Above this scale a picture shows its bare pixels.
+pub const SMOOTH_UP_TO_SCALE: f32 = 4.0;
+
+/// Pictures that stay on the GPU: the frame, its neighbours in both directions and one to compare with.
+const KEPT: NonZeroUsize = NonZeroUsize::MIN.saturating_add(5);
+
+/// A picture goes to the GPU in bands of so many bytes.
+const BAND_BYTES: usize = 32 << 20;
+
+/// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the soft side.
+const SHARPER_LEVELS: f32 = 0.25;
+
+/// One picture; the fields are those of `Instance` in `picture.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct PictureInstance {
+    size: [f32; 2],
+    look: [f32; 3],
+    level: f32,
+    bare: u32,
+}
+
+/// How [`PictureInstance`] lies in a vertex buffer.
+pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_attr_array![
+    0 => Float32x2, 1 => Float32x3, 2 => Float32, 3 => Uint32
+];
+
+impl PictureInstance {
+    pub fn new(picture: &PictureLayer, texture_width: u32, view: &View) -> Self {
+        let ImageSize { width, height } = picture.pixels.size();
+        let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
+        Self {
+            size: [width as f32, height as f32],
+            look: [picture.look.brightness, picture.look.contrast, picture.look.gamma],
+            level: if texels_per_px > 1.0 { (texels_per_px.log2() - SHARPER_LEVELS).max(0.0) } else { 0.0 },
+            bare: u32::from(view.scale > SMOOTH_UP_TO_SCALE),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Kept {
+    texture: wgpu::Texture,
+    bind_group: wgpu::BindGroup,
+    has_mipmaps: bool,
+}
+
+/// The pictures on the GPU, the least recently used one leaving first.
+#[derive(Debug)]
+pub(super) struct PictureCache {
+    sampler: wgpu::Sampler,
+    mipmaps: MipmapMaker,
+    kept: LruCache<PictureKey, Kept>,
+}
+
+impl PictureCache {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("smooth"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let mipmaps = MipmapMaker::new(device);
+        Self { sampler, mipmaps, kept: LruCache::new(KEPT) }
+    }
+
+    /// The bind group and the texture's width of a picture, uploaded if it is not there yet; none for an empty picture.
+    ///
+    /// Mipmaps are made only once a picture is shown smaller than it is.
+    pub fn bind(
+        &mut self,
+        gpu: &mut Gpu<'_>,
+        layout: &wgpu::BindGroupLayout,
+        picture: &PictureLayer,
+        shrunk: bool,
+    ) -> Option<(wgpu::BindGroup, u32)> {
+        if picture.pixels.bytes() == 0 {
+            return None;
+        }
+        let sampler = &self.sampler;
+        let kept = self.kept.get_or_insert_mut(picture.key, || {
+            let texture = upload(gpu.device, gpu.queue, &picture.pixels);
+            let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("picture"),
+                layout,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(
+                            &texture.create_view(&wgpu::TextureViewDescriptor::default()),
+                        ),
+                    },
+                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
+                ],
+            });
+            Kept { texture, bind_group, has_mipmaps: false }
+        });
+        if shrunk && !kept.has_mipmaps {
+            self.mipmaps.fill(gpu.device, gpu.encoder, &kept.texture);
+            kept.has_mipmaps = true;
+        }
+        Some((kept.bind_group.clone(), kept.texture.width()))
+    }
+}
+
+/// A texture of the picture with room for its mip levels; a picture beyond the device's limit is shrunk to it.
+fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) -> wgpu::Texture {
+    let ImageSize { width, height } = picture.size();
+    let limit = device.limits().max_texture_dimension_2d;
+    let longer = width.max(height);
+    let shrunk = (longer > limit).then(|| {
+        let side = |px: u32| ((u64::from(px) * u64::from(limit) / u64::from(longer)) as u32).max(1);
+        shrink(picture, side(width), side(height))
+    });
+    let (width, height) = shrunk.as_ref().map_or((width, height), RgbaImage::dimensions);
+    let rgba = shrunk.as_ref().map_or_else(|| picture.rgba(), |shrunk| shrunk.as_raw());
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("picture"),
+        size,
+        mip_level_count: width.max(height).ilog2() + 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    // A band at a time: the buffers through which they go are smaller than the largest pictures.
+    let band = (BAND_BYTES / (4 * width as usize)).max(1) as u32;
+    for (top, rows) in (0..height).step_by(band as usize).zip(rgba.chunks((4 * width * band) as usize)) {
+        let into =
+            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: top, z: 0 }, ..texture.as_image_copy() };
+        let height = band.min(height - top);
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };
+        queue.write_texture(into, rows, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
+    }
+    texture
+}
+
+fn shrink(picture: &media::Picture, width: u32, height: u32) -> RgbaImage {
+    let size = picture.size();
+    RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec()).map_or_else(
+        || RgbaImage::new(width, height),
+        |pixels| image::imageops::resize(&pixels, width, height, image::imageops::FilterType::Triangle),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn instance(scale: f32) -> PictureInstance {
+        let picture = PictureLayer {
+            key: PictureKey(0),
+            pixels: media::Picture::filled(ImageSize::new(8, 4), [0; 4]),
+            look: crate::scene::PictureLook::default(),
+        };
+        PictureInstance::new(&picture, 8, &View { scale, ..View::one_to_one([8, 4]) })
+    }
+
+    #[test]
+    fn the_scale_decides_between_mipmaps_smooth_and_bare() {
+        assert_eq!((instance(0.25).level, instance(0.25).bare), (1.75, 0));
+        assert_eq!((instance(1.0).level, instance(1.0).bare), (0.0, 0));
+        assert_eq!((instance(4.0).level, instance(4.0).bare), (0.0, 0));
+        assert_eq!((instance(4.1).level, instance(4.1).bare), (0.0, 1));
+    }
+}

@@ -1,0 +1,166 @@
+//! The pipelines and what they are bound to; built once for a device and a target format.
+
+use super::fill::{FILL_ATTRIBUTES, FillVertex};
+use super::gpu::{layout, module, sampler, texture, uniform};
+use super::group::{GROUP_ATTRIBUTES, GROUP_FORMAT, GroupInstance};
+use super::heat::{HEAT_ATTRIBUTES, HeatInstance};
+use super::marker::{MARKER_ATTRIBUTES, MarkerInstance};
+use super::picture::{PICTURE_ATTRIBUTES, PictureInstance};
+use super::stroke::{SEGMENT_ATTRIBUTES, Segment};
+use touchline_shaders::{COMPOSITE, FILL, HEAT, MARKER, PICTURE, STROKE, Shader};
+use wgpu::VertexStepMode::{Instance, Vertex};
+
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pub view_layout: wgpu::BindGroupLayout,
+    pub picture_layout: wgpu::BindGroupLayout,
+    pub group_layout: wgpu::BindGroupLayout,
+    pub picture: wgpu::RenderPipeline,
+    pub fill: wgpu::RenderPipeline,
+    pub heat: wgpu::RenderPipeline,
+    pub rim: wgpu::RenderPipeline,
+    pub core: wgpu::RenderPipeline,
+    pub composite: wgpu::RenderPipeline,
+    pub marker: wgpu::RenderPipeline,
+}
+
+/// What sets one pipeline apart from the others.
+struct Parts<'a> {
+    shader: Shader,
+    vertex_entry: &'a str,
+    fragment_entry: &'a str,
+    layouts: &'a [&'a wgpu::BindGroupLayout],
+    buffer: wgpu::VertexBufferLayout<'a>,
+    topology: wgpu::PrimitiveTopology,
+    format: wgpu::TextureFormat,
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let view_layout = layout(device, "view", &[(0, wgpu::ShaderStages::VERTEX, uniform())]);
+        let texture_layout = (0, wgpu::ShaderStages::FRAGMENT, texture());
+        let picture_layout = layout(device, "picture", &[texture_layout, (1, wgpu::ShaderStages::FRAGMENT, sampler())]);
+        let group_layout = layout(device, "stroke group", &[texture_layout]);
+        let strip = wgpu::PrimitiveTopology::TriangleStrip;
+        let stroke_layouts = [&view_layout];
+        let stroke = |vertex_entry| Parts {
+            shader: STROKE,
+            vertex_entry,
+            fragment_entry: "fs_stroke",
+            layouts: &stroke_layouts,
+            buffer: vertex_buffer::<Segment>(Instance, &SEGMENT_ATTRIBUTES),
+            topology: strip,
+            format: GROUP_FORMAT,
+        };
+        Self {
+            picture: pipeline(
+                device,
+                &Parts {
+                    shader: PICTURE,
+                    vertex_entry: "vs_picture",
+                    fragment_entry: "fs_picture",
+                    layouts: &[&view_layout, &picture_layout],
+                    buffer: vertex_buffer::<PictureInstance>(Instance, &PICTURE_ATTRIBUTES),
+                    topology: strip,
+                    format,
+                },
+            ),
+            fill: pipeline(
+                device,
+                &Parts {
+                    shader: FILL,
+                    vertex_entry: "vs_fill",
+                    fragment_entry: "fs_fill",
+                    layouts: &[&view_layout],
+                    buffer: vertex_buffer::<FillVertex>(Vertex, &FILL_ATTRIBUTES),
+                    topology: wgpu::PrimitiveTopology::TriangleList,
+                    format,
+                },
+            ),
+            heat: pipeline(
+                device,
+                &Parts {
+                    shader: HEAT,
+                    vertex_entry: "vs_heat",
+                    fragment_entry: "fs_heat",
+                    layouts: &[&view_layout, &group_layout],
+                    buffer: vertex_buffer::<HeatInstance>(Instance, &HEAT_ATTRIBUTES),
+                    topology: strip,
+                    format,
+                },
+            ),
+            rim: pipeline(device, &stroke("vs_rim")),
+            core: pipeline(device, &stroke("vs_core")),
+            composite: pipeline(
+                device,
+                &Parts {
+                    shader: COMPOSITE,
+                    vertex_entry: "vs_composite",
+                    fragment_entry: "fs_composite",
+                    layouts: &[&view_layout, &group_layout],
+                    buffer: vertex_buffer::<GroupInstance>(Instance, &GROUP_ATTRIBUTES),
+                    topology: strip,
+                    format,
+                },
+            ),
+            marker: pipeline(
+                device,
+                &Parts {
+                    shader: MARKER,
+                    vertex_entry: "vs_marker",
+                    fragment_entry: "fs_marker",
+                    layouts: &[&view_layout],
+                    buffer: vertex_buffer::<MarkerInstance>(Instance, &MARKER_ATTRIBUTES),
+                    topology: strip,
+                    format,
+                },
+            ),
+            view_layout,
+            picture_layout,
+            group_layout,
+        }
+    }
+}
+
+fn vertex_buffer<T>(
+    step_mode: wgpu::VertexStepMode,
+    attributes: &[wgpu::VertexAttribute],
+) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
+}
+
+fn pipeline(device: &wgpu::Device, parts: &Parts<'_>) -> wgpu::RenderPipeline {
+    let label = Some(parts.vertex_entry);
+    let module = module(device, parts.shader);
+    let layouts: Vec<_> = parts.layouts.iter().copied().map(Some).collect();
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label,
+        bind_group_layouts: &layouts,
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label,
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(parts.vertex_entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(parts.buffer.clone())],
+        },
+        primitive: wgpu::PrimitiveState { topology: parts.topology, ..wgpu::PrimitiveState::default() },
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(parts.fragment_entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: parts.format,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

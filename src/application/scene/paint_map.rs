@@ -1,0 +1,224 @@
+//! The map of what a camera found without clicks has seen: the ground, the paint that stays on it, and the field's lines as the
+//! base has them, over pan and tilt. Where paint and lines fall together, a person believes the base at a glance.
+
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize};
+use touchline_vision::media::Picture;
+
+/// What the map is drawn from.
+#[derive(Clone, Copy, Debug)]
+pub struct PaintMapScene<'a> {
+    /// The base.
+    pub base: &'a CameraBase,
+    /// The field, of the size and with the crown that were found.
+    pub field: &'a FieldModel,
+    /// Where the frames look, and the size of their pictures.
+    pub frames: &'a [(Ptz, ImageSize)],
+    /// Where paint stays.
+    pub paint: &'a [PanTilt],
+}
+
+/// Where pan and tilt lie on the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintMapFrame {
+    /// Columns and rows, px.
+    pub size: ImageSize,
+    left: Angle,
+    top: Angle,
+    px_per_degree: f64,
+}
+
+/// A map is at most so wide and so high, px.
+const MOST_PX: [f64; 2] = [2400.0, 1000.0];
+
+/// What is seen beyond the frames' corners, degrees.
+const MARGIN_DEG: f64 = 1.0;
+
+/// Ground that no frame shows, ground that one does, paint, and the field's lines.
+const UNSEEN: [u8; 4] = [24, 27, 31, 255];
+const SEEN: [u8; 4] = [44, 70, 50, 255];
+const PAINT: [u8; 4] = [235, 238, 235, 255];
+const LINE: [u8; 4] = [255, 138, 36, 255];
+
+/// Ground is looked for in squares of so many px.
+const SQUARE_PX: usize = 6;
+
+impl PaintMapFrame {
+    /// As large as the frames need; none without frames.
+    #[must_use]
+    pub fn of(scene: &PaintMapScene<'_>) -> Option<Self> {
+        let middle = scene.frames.first()?.0.pan;
+        let (mut pan, mut tilt) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        for (ptz, size) in scene.frames {
+            let camera = PtzCamera::new(*scene.base, *ptz);
+            for corner in size.corners() {
+                let Ok(ray) = camera.ray_from_image(corner) else { continue };
+                for (range, degrees) in
+                    [(&mut pan, ray.pan.turn_from(middle).degrees()), (&mut tilt, ray.tilt.degrees())]
+                {
+                    *range = [range[0].min(degrees), range[1].max(degrees)];
+                }
+            }
+        }
+        let [wide, high] = [pan, tilt].map(|range| range[1] - range[0] + 2.0 * MARGIN_DEG);
+        if !(wide.is_finite() && high.is_finite()) {
+            return None;
+        }
+        let px_per_degree = (MOST_PX[0] / wide).min(MOST_PX[1] / high);
+        let pixels = |degrees: f64| (degrees * px_per_degree).ceil().max(1.0) as u32;
+        Some(Self {
+            size: ImageSize::new(pixels(wide), pixels(high)),
+            left: middle + Angle::from_degrees(pan[0] - MARGIN_DEG),
+            top: Angle::from_degrees(tilt[1] + MARGIN_DEG),
+            px_per_degree,
+        })
+    }
+
+    /// Where a ray lies on the map, px.
+    #[must_use]
+    pub fn map_from_ray(&self, ray: PanTilt) -> ImagePoint {
+        // A turn to the left of the left edge is one nearly all the way round to the right.
+        let right = ray.pan.turn_from(self.left).degrees();
+        ImagePoint::new(right * self.px_per_degree, (self.top - ray.tilt).degrees() * self.px_per_degree)
+    }
+
+    /// The ray of a point of the map.
+    #[must_use]
+    pub fn ray_from_map(&self, at: ImagePoint) -> PanTilt {
+        PanTilt {
+            pan: (self.left + Angle::from_degrees(at.x / self.px_per_degree)).wrapped(),
+            tilt: self.top - Angle::from_degrees(at.y / self.px_per_degree),
+        }
+    }
+
+    /// The outlines of the frames' pictures on the map.
+    pub fn outlines<'a>(&'a self, scene: &'a PaintMapScene<'_>) -> impl Iterator<Item = [ImagePoint; 4]> + 'a {
+        scene.frames.iter().filter_map(|(ptz, size)| {
+            let camera = PtzCamera::new(*scene.base, *ptz);
+            let mut corners = size.corners();
+            for corner in &mut corners {
+                *corner = self.map_from_ray(camera.ray_from_image(*corner).ok()?);
+            }
+            Some(corners)
+        })
+    }
+
+    /// The frame, by its place among the scene's, that shows a point of the map nearest to its middle; none where none does.
+    #[must_use]
+    pub fn frame_at(&self, scene: &PaintMapScene<'_>, at: ImagePoint) -> Option<usize> {
+        let ray = self.ray_from_map(at);
+        let off = |(ptz, size): &(Ptz, ImageSize)| {
+            let seen =
+                PtzCamera::new(*scene.base, *ptz).image_from_ray(ray).ok().filter(|seen| size.contains(*seen))?;
+            Some(seen.distance_px(size.centre()) / size.scale_from_1920())
+        };
+        let frames = scene.frames.iter().enumerate().filter_map(|(place, frame)| Some((place, off(frame)?)));
+        frames.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(place, _)| place)
+    }
+}
+
+/// The map as a picture.
+#[must_use]
+pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Option<Picture> {
+    let (width, height) = (frame.size.width as usize, frame.size.height as usize);
+    let mut rgba = UNSEEN.repeat(width * height);
+    let mut dot = |column: usize, row: usize, colour: [u8; 4]| {
+        if column < width && row < height {
+            let at = 4 * (row * width + column);
+            rgba[at..at + 4].copy_from_slice(&colour);
+        }
+    };
+    for row in (0..height).step_by(SQUARE_PX) {
+        for column in (0..width).step_by(SQUARE_PX) {
+            let middle = 0.5 * SQUARE_PX as f64;
+            let at = ImagePoint::new(column as f64 + middle, row as f64 + middle);
+            if frame.frame_at(scene, at).is_some() {
+                (0..SQUARE_PX * SQUARE_PX)
+                    .for_each(|place| dot(column + place % SQUARE_PX, row + place / SQUARE_PX, SEEN));
+            }
+        }
+    }
+    let pixel = |at: ImagePoint| (at.x >= 0.0 && at.y >= 0.0).then_some((at.x as usize, at.y as usize));
+    for ray in scene.paint {
+        if let Some((column, row)) = pixel(frame.map_from_ray(*ray)) {
+            (0..9).for_each(|place| {
+                dot((column + place % 3).saturating_sub(1), (row + place / 3).saturating_sub(1), PAINT);
+            });
+        }
+    }
+    for at in line_pieces(scene, frame).into_iter().flatten() {
+        if let Some((column, row)) = pixel(at) {
+            dot(column, row, LINE);
+            dot(column, row + 1, LINE);
+        }
+    }
+    Picture::new(frame.size, rgba).ok()
+}
+
+/// The field's painted lines on the map, in pieces that lie within it; points about a px apart.
+#[must_use]
+pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<ImagePoint>> {
+    const SPACING_M: f64 = 0.1;
+    let mut pieces = Vec::new();
+    for line in scene.field.lines.iter().filter(|line| line.painted) {
+        let count = (line.paint_centre.length_m() / SPACING_M).ceil().max(1.0);
+        let mut piece = Vec::new();
+        for step in 0..=count as usize {
+            let mut at = line.paint_centre.point_at(step as f64 / count);
+            at.z = scene.field.ground_z(at.y);
+            let at = frame.map_from_ray(PanTilt::from_direction(scene.base.base_from_world_point(at)));
+            if frame.size.contains(at) {
+                piece.push(at);
+            } else if !piece.is_empty() {
+                pieces.push(std::mem::take(&mut piece));
+            }
+        }
+        pieces.extend(Some(piece).filter(|piece| !piece.is_empty()));
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::Vec3;
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn base() -> CameraBase {
+        let level = BaseAngles::default().base_from_world();
+        CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, SIZE.centre())
+    }
+
+    #[test]
+    fn the_map_shows_paint_under_the_lines_and_leads_to_the_frame() {
+        let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
+        // Across the back, where the pan wraps.
+        for turned in [0.0, 178.0] {
+            let frames = [-15.0, 0.0, 15.0].map(|pan| (Ptz::from_degrees(pan + turned, -13.0, 1400.0), SIZE));
+            let paint = [PanTilt::from_degrees(turned, -15.0)];
+            let scene = PaintMapScene { base: &base, field: &field, frames: &frames, paint: &paint };
+            let map = PaintMapFrame::of(&scene).unwrap();
+            assert!(map.size.width <= 2400 && map.size.height <= 1000 && map.size.width > map.size.height, "{map:?}");
+            let at = map.map_from_ray(paint[0]);
+            let back = map.ray_from_map(at);
+            assert!(back.pan.turn_from(paint[0].pan).degrees().abs() < 1e-9);
+            assert_eq!(map.frame_at(&scene, at), Some(1));
+            assert_eq!(map.frame_at(&scene, ImagePoint::new(-5.0, 3.0)), None);
+            let picture = paint_map_picture(&scene, &map).unwrap();
+            let colours: std::collections::BTreeSet<[u8; 4]> =
+                picture.rgba().chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]]).collect();
+            assert!(colours.contains(&PAINT) && colours.contains(&SEEN), "{turned}");
+            assert_eq!(colours.contains(&LINE), turned == 0.0);
+        }
+    }
+
+    #[test]
+    fn without_frames_there_is_no_map() {
+        let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
+        assert!(PaintMapFrame::of(&PaintMapScene { base: &base, field: &field, frames: &[], paint: &[] }).is_none());
+    }
+}

@@ -1,0 +1,285 @@
+//! Changes after which many frames are solved again: in the background, one step of undo, nobody's edits overwritten.
+
+use crate::bench::uncounted;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use touchline_application::app::selection::Scope;
+use touchline_application::app::{
+    Action, App, BulkFailure, BulkOrder, CameraChoice, Command, Effect, Opened, Settings,
+};
+use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
+use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline_core::field::builtin;
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
+use touchline_documents::document::{
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+};
+
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+const FRAMES: usize = 210;
+/// A frame that is edited while the others are solved.
+const EDITED: usize = 7;
+
+fn base(height_m: f64) -> CameraBase {
+    CameraBase::new(Vec3::new(1.0, -64.0, height_m), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+/// Frames that are clicked, solved and accepted; the last one is a suggestion that nobody clicked.
+fn document() -> Document {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base(18.0));
+    document.cameras.push(camera.into());
+    for index in 0..FRAMES {
+        let ptz = Ptz::from_degrees(20.0 * (index as f64 / 40.0).sin(), -13.0, 2300.0);
+        let pointed = PtzCamera::new(base(18.0), ptz);
+        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
+        let image = |landmark| pointed.image_from_world(field.landmark_in_world(landmark)).ok();
+        let shown = field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0);
+        let shown =
+            shown.filter_map(|landmark| Some((landmark, image(landmark).filter(|image| SIZE.contains(*image))?)));
+        frame.clicks = shown.take(2).map(|(landmark, image)| Click::landmark(landmark.id.clone(), image)).collect();
+        frame.status = FrameStatus::Reference;
+        frame.ptz = Some(FramePtz::new(ptz, None));
+        frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+        if index + 1 == FRAMES {
+            frame.clicks.clear();
+            frame.status = FrameStatus::Suggested;
+            frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn open(document: Document) -> App {
+    let mut app = App::new(Settings::default());
+    app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    app
+}
+
+/// The camera with another height.
+fn higher(app: &App, height_m: f64) -> Action {
+    let mut camera = (*app.open().unwrap().document.cameras[0]).clone();
+    camera.set_base(&base(height_m));
+    Action::EditCamera(Box::new(camera))
+}
+
+fn ordered(effects: Vec<Effect>) -> Option<BulkOrder> {
+    effects.into_iter().find_map(|effect| match effect {
+        Effect::SolveBulk(order) => Some(*order),
+        _ => None,
+    })
+}
+
+/// What the job reports in the end.
+fn solved(BulkOrder { ticket, work }: BulkOrder) -> Action {
+    let solved = work.run(&|_| ControlFlow::Continue(())).map(Box::new).map_err(BulkFailure::Impossible);
+    Action::BulkSolved { ticket, solved }
+}
+
+fn now(app: &App) -> &Document {
+    &app.open().unwrap().document
+}
+
+fn height_m(document: &Document) -> f64 {
+    document.cameras[0].base().unwrap().position_m.z
+}
+
+/// The clicks lie where the frame's camera has them.
+fn is_solved_for(document: &Document, index: usize, height: f64) -> bool {
+    let frame = &document.frames[index];
+    let mut alone = document.clone();
+    alone.frames = std::iter::once(frame.clone()).collect();
+    alone.cameras[0] = {
+        let mut camera = (*document.cameras[0]).clone();
+        camera.set_base(&base(height));
+        camera.into()
+    };
+    touchline_calibration::calibrate::solve_document(&mut alone, "/match".as_ref(), &|| ()).unwrap();
+    let [known, wanted] = [frame, &alone.frames[0]].map(|frame| frame.ptz.as_ref().unwrap().ptz());
+    (known.tilt - wanted.tilt).abs().degrees() < 1e-6 && (known.focal_px - wanted.focal_px).abs() < 1e-3
+}
+
+#[test]
+fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile_survive() {
+    let before = document();
+    let mut app = open(before.clone());
+    let change = higher(&app, 18.5);
+    let order = ordered(app.update(change)).expect("many frames");
+    assert_eq!(*now(&app), before, "nothing has changed yet");
+    assert!(app.session.bulk.is_some() && app.why_not(Command::StopSolving).is_none());
+
+    app.update(Action::GoTo(EDITED));
+    app.update(Action::Select(Some(0)));
+    app.update(Action::Nudge { dx_px: 3.0, dy_px: 0.0, held: false });
+    let clicks = now(&app).frames[EDITED].clicks.clone();
+    assert_ne!(clicks, before.frames[EDITED].clicks);
+    let edited = now(&app).clone();
+
+    let effects = app.update(solved(order));
+    assert!(app.session.bulk.is_none());
+    let journalled = effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count();
+    assert_eq!((height_m(now(&app)), journalled), (18.5, 1));
+    assert_eq!(now(&app).frames[EDITED].clicks, clicks, "the edit is not overwritten");
+    assert!([0, 1, EDITED, 100, FRAMES - 2].into_iter().all(|index| is_solved_for(now(&app), index, 18.5)));
+    assert_eq!(now(&app).frames[FRAMES - 1].status, FrameStatus::New, "it was proposed for the old base");
+    assert!(app.session.notices.iter().any(|notice| notice.text.starts_with("1 proposal ")));
+
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(uncounted(now(&app)), uncounted(&edited), "one step takes all of it back, and nothing else");
+    app.update(Action::Command(Command::Redo));
+    assert_eq!(height_m(now(&app)), 18.5);
+    app.update(Action::Command(Command::Undo));
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(uncounted(now(&app)), uncounted(&before));
+}
+
+#[test]
+fn it_can_be_stopped_and_then_nothing_has_changed() {
+    let before = document();
+    let mut app = open(before.clone());
+    let change = higher(&app, 19.0);
+    let order = ordered(app.update(change)).unwrap();
+    let change = higher(&app, 20.0);
+    assert!(ordered(app.update(change)).is_none(), "one at a time");
+    let effects = app.update(Action::Command(Command::StopSolving));
+    assert!(effects.contains(&Effect::CancelBulk) && app.session.bulk.is_none());
+    app.update(solved(order));
+    assert_eq!(*now(&app), before, "nobody waits for it any more");
+    assert!(app.open().unwrap().history.next_undo().is_none());
+    assert!(app.why_not(Command::StopSolving).is_some());
+}
+
+#[test]
+fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
+    let mut numbers = document();
+    numbers.cameras[0].set_base(&base(19.0));
+    let work = || BulkSolve {
+        document: document(),
+        folder: ".".into(),
+        change: BulkChange::Numbers(Box::new(numbers.clone())),
+    };
+    let told = Mutex::new(Vec::new());
+    work()
+        .run(&|progress| {
+            told.lock().unwrap().push(progress.done);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    let mut told = told.into_inner().unwrap();
+    told.sort_unstable();
+    assert_eq!(told, (1..=FRAMES).collect::<Vec<_>>(), "each frame once");
+    let stopped = work().run(&|progress| {
+        if progress.done > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!(stopped.unwrap_err(), BulkError::Stopped);
+}
+
+#[test]
+fn a_drag_is_not_cut_in_two() {
+    let mut app = open(document());
+    let change = higher(&app, 18.5);
+    let order = ordered(app.update(change)).unwrap();
+    app.update(Action::GoTo(EDITED));
+    let at = app.frame().unwrap().clicks[0].image;
+    app.update(Action::Press { at, on: Some(0) });
+    app.update(Action::Drag(ImagePoint::new(at.x + 2.0, at.y)));
+    app.update(solved(order));
+    assert_eq!(height_m(now(&app)), 18.0, "it waits for the end of the drag");
+    app.update(Action::Drag(ImagePoint::new(at.x + 5.0, at.y)));
+    app.update(Action::Release);
+    assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.5, at.x + 5.0));
+    app.update(Action::Command(Command::Undo));
+    assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.0, at.x + 5.0));
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(now(&app).frames[EDITED].clicks[0].image, at, "the drag was one step");
+}
+
+#[test]
+fn where_the_cameras_have_changed_meanwhile_it_is_worked_out_again() {
+    let mut app = open(document());
+    let change = higher(&app, 18.5);
+    let first = ordered(app.update(change)).unwrap();
+    app.update(solved(first));
+    let change = higher(&app, 19.0);
+    let second = ordered(app.update(change)).unwrap();
+    let ticket = second.ticket;
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(height_m(now(&app)), 18.0);
+    let again = ordered(app.update(solved(second))).expect("the camera is not the one it was worked out for");
+    assert!(again.ticket != ticket && height_m(now(&app)) == 18.0);
+    app.update(solved(again));
+    assert_eq!(height_m(now(&app)), 19.0);
+    assert!(is_solved_for(now(&app), 3, 19.0));
+}
+
+#[test]
+fn a_frame_that_is_given_away_while_it_is_edited_keeps_its_edit_and_gets_its_camera() {
+    let mut document = document();
+    let mut second = Camera::new("second".into(), SIZE);
+    second.set_base(&base(21.0));
+    document.cameras.push(second.into());
+    let mut app = open(document);
+    app.update(Action::GoTo(3));
+    let give = Action::AssignToCamera { scope: Scope::Onwards, camera: CameraChoice::Known("second".into()) };
+    let order = ordered(app.update(give)).expect("many frames");
+    app.update(Action::GoTo(EDITED));
+    app.update(Action::SetComment("rain".to_owned()));
+    app.update(solved(order));
+    let frames = &now(&app).frames;
+    assert!((3..FRAMES).all(|index| frames[index].camera.as_str() == "second"));
+    assert_eq!((frames[2].camera.as_str(), frames[EDITED].comment.as_deref()), ("main", Some("rain")));
+    assert!(frames[EDITED].ptz.is_some() && frames[EDITED].ptz != frames[2].ptz);
+    app.update(Action::Command(Command::Undo));
+    assert!(now(&app).frames.iter().all(|frame| frame.camera.as_str() == "main"));
+    assert_eq!(now(&app).frames[EDITED].comment.as_deref(), Some("rain"));
+}
+
+#[test]
+fn what_cannot_be_done_is_told_and_changes_nothing() {
+    let mut app = open(document());
+    let before = now(&app).clone();
+    let change = higher(&app, 19.0);
+    let BulkOrder { ticket, .. } = ordered(app.update(change)).unwrap();
+    let message = "out of grass".to_owned();
+    app.update(Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) });
+    assert_eq!(*now(&app), before);
+    assert!(app.session.notices.iter().any(|notice| notice.text.contains("out of grass")));
+    assert!(app.session.bulk.is_none());
+}
+
+#[test]
+fn undo_in_a_blind_round_takes_back_its_own_click() {
+    let mut gold = document();
+    gold.frames[EDITED].gold = true;
+    let mut app = open(gold);
+    let change = higher(&app, 18.5);
+    let order = ordered(app.update(change)).expect("many frames");
+    app.update(Action::Command(Command::ClickAgain));
+    let asked = app.round().and_then(|round| round.asked().cloned()).expect("a round");
+    let at = now(&app).frames[asked.frame].clicks[0].image;
+    app.update(Action::Press { at, on: None });
+    app.update(Action::Release);
+    let repeats = |app: &App| now(app).frames[EDITED].repeats.len();
+    assert_eq!(repeats(&app), 1);
+    app.update(solved(order));
+    assert_eq!(height_m(now(&app)), 18.5, "it became a step meanwhile");
+    app.update(Action::Command(Command::Undo));
+    assert_eq!((repeats(&app), height_m(now(&app))), (0, 18.5), "nothing else is taken back");
+    let again = app.round().and_then(|round| round.asked().cloned());
+    assert_eq!(again.map(|asked| asked.landmark), Some(asked.landmark), "it is asked for again");
+}
+
+#[test]
+fn a_mask_that_is_drawn_meanwhile_stays() {
+    let mut app = open(document());
+    let change = higher(&app, 18.5);
+    let order = ordered(app.update(change)).expect("many frames");
+    let mask = PixelBox { x: 60.0, y: 40.0, width: 300.0, height: 50.0 };
+    app.update(Action::AddMask { of_camera: true, mask });
+    let again = ordered(app.update(solved(order))).expect("the camera changed meanwhile: it is worked out again");
+    app.update(solved(again));
+    assert_eq!((height_m(now(&app)), &now(&app).cameras[0].masks[..]), (18.5, &[mask][..]));
+}

@@ -1,0 +1,44 @@
+//! The application without its window, driven by actions.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    missing_docs,
+    reason = "a test says what failed by failing"
+)]
+
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/bench.rs"]
+mod bench;
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/headless.rs"]
+mod headless;
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/proposed.rs"]
+mod proposed;
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/seeded.rs"]
+mod seeded;
+
+mod app;
+mod around_the_field;
+mod bulk_in_app;
+mod find_camera_in_app;
+mod gold_in_app;
+mod journal;
+mod kept_edits;
+mod masks_in_app;
+mod names_in_app;
+mod nothing_unasked;
+mod operations_in_app;
+mod outside;
+mod places_in_app;
+mod quality_in_app;
+mod review_in_app;
+mod session;
+mod shots_in_app;
+mod snapped_points_in_app;
+mod suggestions_in_app;
+mod transfer_in_app;
+mod undo_in_app;
+mod which_camera;

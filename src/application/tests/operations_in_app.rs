@@ -1,0 +1,74 @@
+//! What holds of every operation of the application, whichever it is.
+
+use crate::bench::Bench;
+use crate::proposed::{blank, suggested};
+use touchline_application::app::operation::{Job, Operation};
+use touchline_application::app::operations::Comparison;
+use touchline_application::app::{Action, App, Effect, Opened, Settings};
+
+/// What was started.
+fn jobs(effects: &[Effect]) -> Vec<Job> {
+    let jobs =
+        effects.iter().filter_map(|effect| if let Effect::Start(job) = effect { Some(job.clone()) } else { None });
+    jobs.collect()
+}
+
+fn names(jobs: &[Job]) -> Vec<&'static str> {
+    jobs.iter().map(Job::name).collect()
+}
+
+/// Opens another document and delivers what the operations before report all the same.
+fn open_another(bench: &mut Bench, jobs: &[Job]) {
+    assert!(jobs.iter().all(|job| !job.is_cancelled()), "{jobs:?}");
+    bench.act(Action::Opened(Box::new(Opened::new(blank(1), "/elsewhere/project.json"))));
+    assert!(jobs.iter().all(Job::is_cancelled), "{jobs:?}");
+    let before = bench.app.session.notices.len();
+    for job in jobs {
+        bench.act(Action::Report(job.panicked("too late".to_owned())));
+    }
+    assert_eq!(bench.app.session.notices.len(), before, "{:?}", bench.app.session.notices);
+}
+
+#[test]
+fn another_document_ends_a_comparison_and_what_runs_unasked() {
+    let mut bench = Bench { app: App::new(Settings::default()), effects: Vec::new() };
+    let document = suggested(&[Some(0.9), Some(0.8)]);
+    bench.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    bench.act(Action::Compare("/other/project.json".into()));
+    assert!(bench.app.operations.comparison.is_running());
+    let started = jobs(&bench.effects);
+    assert_eq!(names(&started), ["line check", Comparison::NAME]);
+    open_another(&mut bench, &started);
+    assert!(!bench.app.operations.comparison.is_running());
+}
+
+#[cfg(feature = "opencv")]
+#[test]
+fn another_document_ends_the_tracking_of_a_clip() {
+    use touchline_application::app::Command;
+    use touchline_application::app::guidance::next_step;
+    use touchline_application::app::operations::ClipTracking;
+    let mut bench = Bench::new(suggested(&[Some(0.9), None]));
+    bench.command(Command::Track);
+    assert!(names(&jobs(&bench.effects)).contains(&ClipTracking::NAME), "{:?}", bench.app.why_not(Command::Track));
+    assert_eq!(next_step(&bench.app).text, "Carrying cameras through the shot…");
+    assert!(bench.app.why_not(Command::Track).is_some(), "one at a time");
+    let started = vec![bench.started::<ClipTracking>()];
+    open_another(&mut bench, &started);
+    assert!(bench.app.why_not(Command::StopTracking).is_some(), "nothing is left to stop");
+}
+
+#[cfg(feature = "opencv")]
+#[test]
+fn another_document_ends_the_search_for_a_camera() {
+    use touchline_application::app::Command;
+    use touchline_application::app::operations::CameraSearch;
+    let mut document = blank(5);
+    let camera = &mut document.cameras[0];
+    (camera.position_m, camera.base_from_world) = (None, None);
+    let mut bench = Bench::new(document);
+    bench.command(Command::FindCamera);
+    let started = vec![bench.started::<CameraSearch>()];
+    open_another(&mut bench, &started);
+    assert!(bench.app.operations.camera_search.running().is_none());
+}

@@ -1,0 +1,189 @@
+//! Shots of a video in the application: found when it is imported, changed cut by cut, each change one step of undo.
+#![cfg(feature = "opencv")]
+
+use touchline_application::app::session::Mode;
+use touchline_application::app::{Action, App, Command, Effect, FoundShots, Opened, Settings, ShotSearch, VideoAction};
+use touchline_core::geometry::ImageSize;
+use touchline_documents::document::{Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame};
+use touchline_vision::media::MediaError;
+
+const FRAMES: u64 = 30;
+
+fn document() -> Document {
+    let size = ImageSize::new(64, 36);
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(touchline_documents::document::Camera::new("main".into(), size).into());
+    for index in 0..FRAMES {
+        let video = VideoFrame::new("match.mp4", index, Some(index as f64 / 25.0));
+        document.frames.push(Frame::from_video(video, "main".into(), size).into());
+    }
+    document
+}
+
+/// An application on a document, and the search for cuts that it asked for.
+fn opened(document: Document) -> (App, Option<ShotSearch>) {
+    let mut app = App::new(Settings::default());
+    let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    let search = effects.into_iter().find_map(|effect| match effect {
+        Effect::FindShots(search) => Some(*search),
+        _ => None,
+    });
+    (app, search)
+}
+
+/// The same with two cuts found, the second one a fade.
+fn with_shots() -> App {
+    let (mut app, search) = opened(document());
+    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Fade)] };
+    app.update(Action::Video(VideoAction::ShotsFound { ticket: search.unwrap().ticket, found: Ok(found) }));
+    app
+}
+
+fn starts(app: &App) -> Vec<u64> {
+    app.shots().map(|shots| shots.starts().map(|(from, _)| from).collect()).unwrap_or_default()
+}
+
+fn undo(app: &mut App) {
+    // The first press may go to the frame of the change.
+    let before = starts(app);
+    app.update(Action::Command(Command::Undo));
+    if starts(app) == before {
+        app.update(Action::Command(Command::Undo));
+    }
+}
+
+#[test]
+fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
+    let (app, search) = opened(document());
+    let search = search.unwrap();
+    assert_eq!((search.video.as_str(), search.path.as_path()), ("match.mp4", std::path::Path::new("/match/match.mp4")));
+    assert!(app.session.video.search.is_some() && app.shots().is_none());
+    let mut labelled = document();
+    labelled.frames[3].status = FrameStatus::Reference;
+    assert_eq!(opened(labelled).1, None, "somebody has worked here: nothing is changed unasked");
+    let (again, none) = opened((*with_shots().open().unwrap().document).clone());
+    assert_eq!((starts(&again), none), (vec![0, 10, 20], None));
+}
+
+#[test]
+fn shots_are_marked_in_one_step_once_a_drag_is_over() {
+    let (mut app, search) = opened(document());
+    let ticket = search.unwrap().ticket;
+    app.update(Action::BeginEdit("Pan"));
+    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
+    app.update(Action::Video(VideoAction::ShotsFound { ticket: ticket + 1, found: Ok(found.clone()) }));
+    app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    assert_eq!((starts(&app), &app.session.mode), (vec![], &Mode::Editing));
+    app.update(Action::EndEdit);
+    assert_eq!(starts(&app), [0, 10]);
+    undo(&mut app);
+    assert_eq!(starts(&app), [0; 0]);
+    assert!(app.open().unwrap().document.frames.iter().all(|frame| frame.clip.is_none()));
+}
+
+#[test]
+fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
+    for (error, notices) in
+        [(MediaError::Missing { path: "match.mp4".into() }, 1), (MediaError::Stopped { path: "match.mp4".into() }, 0)]
+    {
+        let (mut app, search) = opened(document());
+        app.update(Action::Video(VideoAction::ShotsFound { ticket: search.unwrap().ticket, found: Err(error.into()) }));
+        assert_eq!(app.session.notices.len(), notices);
+        assert!(app.session.video.search.is_none());
+    }
+}
+
+#[test]
+fn a_cut_is_added_moved_and_removed() {
+    let mut app = with_shots();
+    app.update(Action::GoTo(15));
+    app.update(Action::Command(Command::AddCut));
+    assert_eq!(starts(&app), [0, 10, 15, 20]);
+    app.update(Action::Video(VideoAction::MoveCut { cut: 15, to: 17 }));
+    assert_eq!(starts(&app), [0, 10, 17, 20]);
+    app.update(Action::Video(VideoAction::MoveCut { cut: 17, to: 25 }));
+    assert_eq!(starts(&app), [0, 10, 17, 20], "a cut does not pass another");
+    app.update(Action::GoTo(18));
+    app.update(Action::Command(Command::RemoveCut));
+    assert_eq!(starts(&app), [0, 10, 20]);
+    app.update(Action::GoTo(2));
+    app.update(Action::Command(Command::RemoveCut));
+    assert_eq!(starts(&app), [0, 10, 20], "before the first shot is none");
+    for expected in [vec![0, 10, 17, 20], vec![0, 10, 15, 20], vec![0, 10, 20], vec![]] {
+        undo(&mut app);
+        assert_eq!(starts(&app), expected);
+    }
+}
+
+#[test]
+fn a_whole_shot_is_rejected_in_one_step_and_stepped_over() {
+    let mut app = with_shots();
+    app.update(Action::GoTo(14));
+    app.update(Action::Command(Command::RejectShot));
+    app.update(Action::RejectAs(RejectReason::Replay));
+    let rejected = |app: &App| {
+        let frames = &app.open().unwrap().document.frames;
+        frames
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| frame.status == FrameStatus::Rejected)
+            .map(|(at, _)| at)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(rejected(&app), (10..20).collect::<Vec<_>>());
+    app.update(Action::GoTo(14));
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(rejected(&app), [0; 0]);
+    app.update(Action::Command(Command::NextShot));
+    assert_eq!(app.session.frame, 20);
+    app.update(Action::GoTo(14));
+    app.update(Action::Command(Command::PreviousShot));
+    app.update(Action::Command(Command::PreviousShot));
+    assert_eq!(app.session.frame, 0);
+}
+
+#[test]
+fn nothing_is_accepted_before_its_picture_is_there() {
+    let mut document = document();
+    document.frames[4].ptz = Some(touchline_documents::document::FramePtz::new(
+        touchline_core::camera::Ptz::from_degrees(1.0, -9.0, 900.0),
+        None,
+    ));
+    document.frames[4].status = FrameStatus::Suggested;
+    let (mut app, _) = opened(document);
+    app.update(Action::GoTo(4));
+    app.update(Action::Video(VideoAction::PictureAwaited(true)));
+    app.update(Action::Command(Command::AcceptAndStay));
+    assert_eq!(app.frame().unwrap().status, FrameStatus::Suggested);
+    assert!(app.unacceptable().unwrap().contains("picture"));
+    app.update(Action::Video(VideoAction::PictureAwaited(false)));
+    app.update(Action::Command(Command::AcceptAndStay));
+    assert_eq!(app.frame().unwrap().status, FrameStatus::Reference);
+}
+
+#[test]
+fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
+    let (mut app, search) = opened(document());
+    app.update(Action::GoTo(3));
+    app.update(Action::SetComment("mine".to_owned()));
+    app.update(Action::SetComment("undone".to_owned()));
+    app.update(Action::Command(Command::Undo));
+    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
+    let ticket = search.unwrap().ticket;
+    let effects = app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    assert_eq!(starts(&app), [0, 10]);
+    let whole = effects.iter().find_map(|effect| match effect {
+        Effect::JournalWhole { document, history, .. } => Some((document, history)),
+        _ => None,
+    });
+    let (document, history) = whole.expect("the saver is given the history as it is now");
+    assert_eq!((&**document, &**history), (&*app.open().unwrap().document, &app.open().unwrap().history));
+    app.update(Action::Command(Command::Redo));
+    assert_eq!(app.frame().unwrap().comment.as_deref(), Some("undone"), "redo stays");
+    for comment in [Some("mine"), None] {
+        app.update(Action::Command(Command::Undo));
+        assert_eq!((app.frame().unwrap().comment.as_deref(), starts(&app)), (comment, vec![0, 10]));
+    }
+    undo(&mut app);
+    assert_eq!(starts(&app), [0; 0]);
+}

@@ -1,0 +1,185 @@
+//! What becomes of frames that were solved on another base or field than the merged document has.
+//!
+//! A merge takes a frame from one side and may take its camera from the other. The frame's clicks are as true as before, but its
+//! solution was computed for a camera that stands elsewhere. Clicked frames are solved again. Frames without clicks keep their
+//! lines on the picture as well as the new base allows, and what was only proposed is withdrawn.
+
+use super::follow_base::follow_base;
+use super::refit::refit;
+use super::solve_frames::{is_by_clicks, solve_by_clicks};
+use std::ops::ControlFlow;
+use std::path::Path;
+use touchline_core::camera::CameraBase;
+use touchline_core::field::FieldError;
+use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
+
+/// Frames that a merge put onto another base or field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolvedAfterMerge {
+    /// Frames that were solved again by their clicks.
+    pub solved: usize,
+    /// Frames without clicks whose lines were kept.
+    pub refitted: usize,
+    /// Proposals that were withdrawn.
+    pub withdrawn: usize,
+}
+
+/// Solves the frames of a merged document that come from a side with another base or field. Of a frame that is on no side it is
+/// not known what it was solved for, so it is solved again. `folder` is the document's.
+///
+/// # Errors
+/// A field of the document is not valid; no clicked frame is solved then.
+pub fn solve_after_merge(
+    document: &mut Document,
+    sides: &[&Document],
+    folder: &Path,
+) -> Result<SolvedAfterMerge, FieldError> {
+    let mut done = SolvedAfterMerge::default();
+    let mut clicked = Vec::new();
+    for index in 0..document.frames.len() {
+        let frame = &document.frames[index];
+        let origins: Vec<&Document> = sides.iter().copied().filter(|side| holds_frame(side, frame)).collect();
+        let ground = Ground::under(document, frame);
+        if origins.iter().any(|side| Ground::under(side, frame) == ground) {
+            continue;
+        }
+        if is_by_clicks(frame) {
+            clicked.push(index);
+        } else if let (Some(origin), true) = (origins.first(), frame.ptz.is_some()) {
+            let before = with_cameras_of(document, origin);
+            if follow_base(document, index, &before) {
+                done.withdrawn += 1;
+            } else {
+                // An accepted proposal has followed already, and stays where it is.
+                refit(document, index, &before);
+                done.refitted += 1;
+            }
+        }
+    }
+    if !clicked.is_empty() {
+        let go_on = || ControlFlow::<FieldError>::Continue(());
+        solve_by_clicks(document, folder, &clicked, &go_on)?;
+        done.solved = clicked.len();
+    }
+    Ok(done)
+}
+
+/// What a frame is solved on.
+#[derive(PartialEq)]
+struct Ground<'a> {
+    base: Option<CameraBase>,
+    field: &'a FieldSpec,
+}
+
+impl<'a> Ground<'a> {
+    fn under(document: &'a Document, frame: &Frame) -> Self {
+        let base = document.camera_of(frame).and_then(Camera::base);
+        Self { base, field: document.field_of(frame) }
+    }
+}
+
+/// Whether a document holds a frame with these contents.
+fn holds_frame(document: &Document, frame: &Frame) -> bool {
+    document.frames.by_id(&frame.id).is_some_and(|known| known.has_content_of(frame))
+}
+
+/// The frames of one document with the cameras of another.
+fn with_cameras_of(document: &Document, origin: &Document) -> Document {
+    Document { cameras: origin.cameras.clone(), ..document.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::{FrameLookup, calibrate};
+    use touchline_core::camera::{BaseAngles, Ptz, PtzCamera};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Click, FramePtz, FrameStatus, Solution, SolutionSource, merge};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn base(x_m: f64) -> CameraBase {
+        CameraBase::new(Vec3::new(x_m, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    }
+
+    /// Two frames that nobody has touched.
+    fn document() -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base(1.0));
+        document.cameras.push(camera.into());
+        document.frames =
+            ["a", "b"].map(|name| Frame::from_image(name, "main".into(), SIZE).into()).into_iter().collect();
+        document
+    }
+
+    /// Clicks two landmarks where a camera at `x_m` sees them, and solves and accepts the frame.
+    fn click(document: &mut Document, index: usize, x_m: f64) {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let camera = PtzCamera::new(base(x_m), Ptz::from_degrees(-4.0, -14.0, 2300.0));
+        for landmark in ["centre_mark", "halfway_far"] {
+            let world = field.landmark_in_world(field.landmark(landmark).unwrap());
+            let at = camera.image_from_world(world).unwrap();
+            document.frames[index].clicks.push(Click::landmark(landmark.into(), at));
+        }
+        let solved =
+            calibrate(document, &FrameLookup::of(document), &document.frames[index].clone(), &field, index).unwrap();
+        document.frames[index].record(&solved);
+        document.frames[index].status = FrameStatus::Reference;
+    }
+
+    fn pan_deg(document: &Document, index: usize) -> f64 {
+        document.frames[index].ptz.as_ref().unwrap().pan_deg
+    }
+
+    #[test]
+    fn a_reference_is_solved_again_on_the_base_that_the_merge_took() {
+        let (start, folder) = (document(), Path::new(""));
+        let (mut ours, mut theirs) = (start.clone(), start.clone());
+        click(&mut ours, 0, 1.0);
+        theirs.cameras[0].set_base(&base(9.0));
+        let mut merged = merge(&start, &ours, &theirs).document;
+        assert_eq!(pan_deg(&merged, 0), pan_deg(&ours, 0), "the merge alone keeps what the old base gave");
+        let done = solve_after_merge(&mut merged, &[&ours, &theirs], folder).unwrap();
+        assert_eq!((done.solved, merged.frames[0].status), (1, FrameStatus::Reference));
+        let again = calibrate(
+            &merged,
+            &FrameLookup::of(&merged),
+            &merged.frames[0],
+            &builtin("soccer").unwrap().default_model().unwrap(),
+            0,
+        );
+        assert!((pan_deg(&merged, 0) - again.unwrap().ptz.pan.degrees()).abs() < 1e-9);
+        assert!((pan_deg(&merged, 0) - pan_deg(&ours, 0)).abs() > 1.0);
+    }
+
+    #[test]
+    fn what_stands_on_its_own_base_stays() {
+        let (start, folder) = (document(), Path::new(""));
+        let (mut ours, mut theirs) = (start.clone(), start.clone());
+        click(&mut ours, 0, 1.0);
+        click(&mut theirs, 1, 1.0);
+        let mut merged = merge(&start, &ours, &theirs).document;
+        let before = merged.clone();
+        let done = solve_after_merge(&mut merged, &[&ours, &theirs], folder).unwrap();
+        assert_eq!((done, merged), (SolvedAfterMerge::default(), before));
+    }
+
+    #[test]
+    fn an_accepted_proposal_keeps_its_lines() {
+        let (start, folder) = (document(), Path::new(""));
+        let (mut ours, mut theirs) = (start.clone(), start.clone());
+        let frame = &mut ours.frames[0];
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-4.0, -14.0, 2300.0), None));
+        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        frame.status = FrameStatus::Reference;
+        theirs.cameras[0].set_base(&base(4.0));
+        let mut merged = merge(&start, &ours, &theirs).document;
+        let done = solve_after_merge(&mut merged, &[&ours, &theirs], folder).unwrap();
+        assert_eq!((done.refitted, done.withdrawn), (1, 0));
+        let ground = Vec3::new(3.0, 10.0, 0.0);
+        let at = |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
+        assert!(at(&merged).distance_px(at(&ours)) < 12.0, "{:?} {:?}", at(&merged), at(&ours));
+    }
+}

@@ -1,0 +1,103 @@
+//! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
+
+use super::{AssignedFrames, FrameLookup, NewCamera, calibrate, observations};
+use rayon::prelude::*;
+use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::thousands;
+use touchline_core::solve::base::{FrameClicks, base_change};
+use touchline_documents::document::{Camera, CameraId, Document};
+
+/// Where a camera of the document stops fitting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraChange {
+    /// Which camera.
+    pub camera: CameraId,
+    /// The first frame that its base no longer fits, by its place in the document.
+    pub frame: usize,
+    /// Median distance of the clicks before it, px.
+    pub before_px: f64,
+    /// Median distance of the clicks from it on, px.
+    pub after_px: f64,
+    /// The same with a base of their own, px.
+    pub own_px: f64,
+    /// That base.
+    pub base: CameraBase,
+}
+
+impl CameraChange {
+    /// What a person reads.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        format!(
+            "The camera stopped fitting at frame {} ({:.0} px before, {:.0} px since).",
+            thousands(self.frame + 1),
+            self.before_px,
+            self.after_px
+        )
+    }
+
+    /// The frames it is about, by their places: the camera's from there on.
+    #[must_use]
+    pub fn frames(&self, document: &Document) -> Vec<usize> {
+        let concerned = |index: &usize| document.frames[*index].camera == self.camera;
+        (self.frame..document.frames.len()).filter(concerned).collect()
+    }
+
+    /// The way out: the frames from there on for a new camera, with the base that fits them.
+    #[must_use]
+    pub fn assigned(&self, document: &Document) -> AssignedFrames {
+        AssignedFrames {
+            frames: self.frames(document).into_iter().map(|index| document.frames[index].id.clone()).collect(),
+            camera: document.free_camera_name(&self.camera),
+            new: Some(NewCamera { like: self.camera.clone(), base: Some(self.base) }),
+        }
+    }
+}
+
+/// Where a camera's base stops fitting the frames of the document, in their order, if it does. Rejected frames and those left
+/// out of the base count for nothing. `lookup` is the document's.
+#[must_use]
+pub fn camera_change(
+    document: &Document,
+    lookup: &FrameLookup,
+    camera: &CameraId,
+    field: &FieldModel,
+) -> Option<CameraChange> {
+    let known = document.camera(camera)?;
+    let base = known.base()?;
+    let telling = |index: usize| {
+        let frame = &document.frames[index];
+        let takes_part = frame.image_size == known.image_size && frame.is_used_for_base();
+        let observations = takes_part.then(|| observations(frame, field).ok()).flatten()?;
+        let pointed = ptz_by_clicks(document, lookup, index, known, field);
+        Some((index, (FrameClicks { observations, start: None }, pointed)))
+    };
+    let telling = lookup.clicked(camera).into_par_iter().filter_map(telling);
+    let (places, told): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = telling.unzip();
+    let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = told.into_iter().unzip();
+    let found = base_change(field, &clicks, &pointed, &base)?;
+    Some(CameraChange {
+        camera: camera.clone(),
+        frame: places[found.frame],
+        before_px: found.before_px,
+        after_px: found.after_px,
+        own_px: found.own_px,
+        base: found.base,
+    })
+}
+
+/// A frame's camera as its clicks have it; one that is recorded need not be solved again.
+fn ptz_by_clicks(
+    document: &Document,
+    lookup: &FrameLookup,
+    index: usize,
+    camera: &Camera,
+    field: &FieldModel,
+) -> Option<Ptz> {
+    let frame = &document.frames[index];
+    match camera.pointed(frame) {
+        Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
+        _ => calibrate(document, lookup, frame, field, index).ok().map(|solved| solved.ptz),
+    }
+}

@@ -1,0 +1,158 @@
+//! What the frames of a camera give for estimating its base.
+
+use std::ops::{AddAssign, SubAssign};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::Angle;
+use touchline_core::markings::project_landmarks;
+use touchline_documents::document::{CameraId, Document, Frame};
+
+/// This many landmarks on the ground determine a camera of which nothing else is known.
+pub const LANDMARKS_ALONE: usize = 4;
+
+/// This many wide frames, left, centre and right, determine where a camera stands.
+pub const WIDE_FRAMES: usize = 3;
+
+/// How much the frames of a camera say about its base.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BaseReadiness {
+    /// Frames that take part: at least one named click.
+    pub frames: usize,
+    /// Their clicks.
+    pub clicks: usize,
+    /// Those that determine a camera by themselves: four or more landmarks.
+    pub wide: usize,
+    /// Frames that somebody left out.
+    pub left_out: usize,
+}
+
+impl BaseReadiness {
+    /// What one frame gives.
+    #[must_use]
+    pub fn of_frame(frame: &Frame) -> Self {
+        let clicks = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
+        if !frame.use_for_base {
+            Self { left_out: 1, ..Self::default() }
+        } else if frame.is_used_for_base() && clicks > 0 {
+            let wide = usize::from(frame.landmark_clicks() >= LANDMARKS_ALONE);
+            Self { frames: 1, clicks, wide, left_out: 0 }
+        } else {
+            Self::default()
+        }
+    }
+
+    fn each(self, other: Self, of: fn(usize, usize) -> usize) -> Self {
+        Self {
+            frames: of(self.frames, other.frames),
+            clicks: of(self.clicks, other.clicks),
+            wide: of(self.wide, other.wide),
+            left_out: of(self.left_out, other.left_out),
+        }
+    }
+
+    /// Enough for a good base.
+    #[must_use]
+    pub const fn is_enough(&self) -> bool {
+        self.wide >= WIDE_FRAMES
+    }
+
+    /// What is to be done, and how far it is done.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        format!(
+            "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks. Done: {} of \
+             {WIDE_FRAMES}.",
+            self.wide.min(WIDE_FRAMES)
+        )
+    }
+}
+
+/// The frame of a camera that is to be clicked next for its base: one that shows enough landmarks of the field, has too few points,
+/// and looks farthest from those that have enough. Frames whose camera is not known come last. None where there is no such frame.
+#[must_use]
+pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel) -> Option<usize> {
+    let of_camera = || document.frames.iter().enumerate().filter(|(_, frame)| frame.camera == *camera);
+    let is_wide = |frame: &Frame| BaseReadiness::of_frame(frame).wide > 0;
+    let wide: Vec<(usize, Option<Angle>)> =
+        of_camera().filter(|(_, frame)| is_wide(frame)).map(|(index, frame)| (index, pan_of(frame))).collect();
+    let shows_enough = |frame: &Frame| {
+        let seen = document.pointed(frame).map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
+        seen.is_none_or(|seen| seen >= LANDMARKS_ALONE)
+    };
+    // How far a frame is from the wide ones: by where it looks, else by its place.
+    let gain = |index: usize, frame: &Frame| {
+        let apart_deg = |(_, other): &(usize, Option<Angle>)| Some(pan_of(frame)?.turn_from((*other)?).degrees().abs());
+        let by_pan = wide.iter().filter_map(apart_deg).min_by(f64::total_cmp);
+        let by_place = wide.iter().map(|(other, _)| index.abs_diff(*other)).min().unwrap_or(0);
+        (by_pan.is_some(), by_pan.unwrap_or(by_place as f64))
+    };
+    of_camera()
+        .filter(|(_, frame)| frame.is_used_for_base() && !is_wide(frame) && shows_enough(frame))
+        .map(|(index, frame)| (index, gain(index, frame)))
+        // The first of equals.
+        .rev()
+        .max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
+        .map(|(index, _)| index)
+}
+
+fn pan_of(frame: &Frame) -> Option<Angle> {
+    frame.ptz.as_ref().map(|ptz| ptz.ptz().pan)
+}
+
+impl AddAssign for BaseReadiness {
+    fn add_assign(&mut self, other: Self) {
+        *self = self.each(other, |a, b| a + b);
+    }
+}
+
+impl SubAssign for BaseReadiness {
+    fn sub_assign(&mut self, other: Self) {
+        *self = self.each(other, |a, b| a - b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+    use touchline_documents::document::{Camera, Click, FieldSpec, FramePtz, FrameStatus};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    #[test]
+    fn the_next_frame_for_the_base_looks_where_no_wide_one_does() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        let turned = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() }.base_from_world();
+        camera.set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turned, SIZE.centre()));
+        document.cameras.push(camera.into());
+        // The last one is so close up that it shows too few landmarks.
+        for (pan_deg, focal_px) in [(0.0, 1800.0), (-4.0, 1800.0), (-22.0, 1800.0), (25.0, 1800.0), (70.0, 30_000.0)] {
+            let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, focal_px), None));
+            frame.status = FrameStatus::Draft;
+            document.frames.push(frame.into());
+        }
+        let next = |document: &Document| next_for_base(document, &"main".into(), &field);
+        let make_wide = |document: &mut Document, index: usize| {
+            for landmark in ["centre_mark", "halfway_far", "centre_circle_left", "centre_circle_right"] {
+                let at = ImagePoint::new(100.0, 100.0);
+                document.frames[index].clicks.push(Click::landmark(landmark.into(), at));
+            }
+        };
+        make_wide(&mut document, 0);
+        assert_eq!(next(&document), Some(3));
+        document.frames[3].use_for_base = false;
+        assert_eq!(next(&document), Some(2), "a person left the other one out");
+        make_wide(&mut document, 2);
+        assert_eq!(next(&document), Some(1));
+        make_wide(&mut document, 1);
+        assert_eq!(next(&document), None);
+        // Nobody knows where a frame without a camera looks.
+        document.frames[1].clicks.clear();
+        document.frames[1].ptz = None;
+        assert_eq!(next(&document), Some(1));
+    }
+}

@@ -1,0 +1,43 @@
+//! What the clicks say against the cameras that took them: another one fits, or one stops fitting.
+
+use super::super::{FrameLookup, better_camera, calibrate, camera_change};
+use super::fault::{Fault, Problem};
+use super::place_of;
+use rayon::prelude::*;
+use touchline_documents::document::{DocumentAt, Fields};
+
+/// Frames whose clicks fit another camera of the document, and cameras whose base stops fitting from some frame on.
+/// A field that is not valid is [`check_values`](super::check_values)' affair.
+#[must_use]
+pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
+    let Ok(fields) = Fields::of(document) else { return Vec::new() };
+    let of_cameras = fields.of_cameras(&document);
+    let lookup = FrameLookup::of(&document);
+    let mut problems: Vec<Problem> = (0..document.frames.len())
+        .into_par_iter()
+        .filter(|_| document.cameras.len() > 1)
+        .filter_map(|index| {
+            let frame = &document.frames[index];
+            let field = fields.of_frame(&document, frame);
+            let solved = calibrate(&document, &lookup, frame, field, index).ok()?;
+            let better = better_camera(&document, frame, &solved, &of_cameras)?;
+            let fault = Fault::OtherCamera {
+                camera: better.camera.as_str().to_owned(),
+                rms_px: better.rms_px,
+                own_rms_px: better.own_rms_px,
+            };
+            Some(Problem { place: place_of(index, frame), frame: Some(index), fault })
+        })
+        .collect();
+    for (camera, field) in document.cameras.iter().zip(&of_cameras) {
+        if let Some(change) = camera_change(&document, &lookup, &camera.id, field) {
+            let fault = Fault::StoppedFitting {
+                frame: document.frames[change.frame].name(),
+                before_px: change.before_px,
+                after_px: change.after_px,
+            };
+            problems.push(Problem { place: format!("camera {}", camera.id), frame: None, fault });
+        }
+    }
+    problems
+}

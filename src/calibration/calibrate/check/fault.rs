@@ -1,0 +1,383 @@
+//! What can be wrong with a document, by name.
+
+use std::fmt;
+use thiserror::Error;
+use touchline_core::geometry::ImageSize;
+use touchline_documents::document::FrameStatus;
+
+/// Something wrong with a document, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// Where: `frames[3] (images/0003.jpg)`, `camera main`, `field`.
+    pub place: String,
+    /// The frame, by its place in the document, if it is about one.
+    pub frame: Option<usize>,
+    /// What.
+    pub fault: Fault,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.fault)
+    }
+}
+
+/// A size as messages write it.
+fn size(size: ImageSize) -> String {
+    format!("{} × {} px", size.width, size.height)
+}
+
+/// What is wrong. Clicks are counted from 0 here and from 1 in messages.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// Two cameras share a name.
+    #[error("another camera has this name too; rename one")]
+    DuplicateCamera,
+    /// A coefficient of the lens that this program does not use.
+    #[error("distortion.{key} is not used by this program; overlays are computed without it")]
+    UnusedDistortion {
+        /// The key.
+        key: String,
+    },
+    /// Only one of position and rotation is there.
+    #[error("{missing} is missing, so the base is not known")]
+    HalfABase {
+        /// What is missing.
+        missing: &'static str,
+    },
+    /// The field's template or its parameters.
+    #[error("{message}")]
+    Field {
+        /// What the field says.
+        message: String,
+    },
+    /// A camera that its clicks do not give on the base that the document has.
+    #[error(
+        "the stored camera misses its clicks by {stored_px:.1} px, and they give one within {rms_px:.1} px: the base or the field \
+         has changed since; solve the frame again"
+    )]
+    StaleSolution {
+        /// How far the stored camera is off, px.
+        stored_px: f64,
+        /// How far the camera is off that the clicks give, px.
+        rms_px: f64,
+    },
+    /// An accepted camera whose lines lie elsewhere than the paint of its picture.
+    #[error(
+        "accepted, but the paint contradicts its camera ({found} of {open} open places of its lines show paint); look at it again"
+    )]
+    OffPaint {
+        /// Open places with paint.
+        found: usize,
+        /// Open places of the lines.
+        open: usize,
+    },
+    /// A number is NaN or infinite, or a focal length is not positive.
+    #[error("{what} is not a finite number; enter it again")]
+    NotFinite {
+        /// Which.
+        what: String,
+    },
+    /// A quantity that can only be above zero.
+    #[error("{what} is {value}, expected a number above zero")]
+    NotPositive {
+        /// Which.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// The hash of the image file is none.
+    #[error("sha256 is not 64 hexadecimal digits; remove it")]
+    NoSha256,
+    /// The time of the last change is none.
+    #[error("edited.at {stated:?} is not a time such as 2026-05-01T18:30:00Z")]
+    NoTime {
+        /// What stands there.
+        stated: String,
+    },
+    /// A shot begins or ends at a frame that is not there.
+    #[error("names the frame {id}, which the document does not have")]
+    UnknownFrame {
+        /// Its id.
+        id: String,
+    },
+    /// A box of pixels with no area, or outside the picture.
+    #[error("mask {} covers no pixel of the picture", .mask + 1)]
+    EmptyMask {
+        /// Which, from 0.
+        mask: usize,
+    },
+    /// The same picture twice.
+    #[error("the same picture as frames[{first}]; remove one")]
+    DuplicateFrame {
+        /// The first frame with it.
+        first: usize,
+    },
+    /// Neither image nor video.
+    #[error("has neither an image nor a video")]
+    NoPicture,
+    /// The frame's camera is not in the document.
+    #[error("its camera {camera:?} is not in the document")]
+    UnknownCamera {
+        /// The camera's name.
+        camera: String,
+    },
+    /// The clicks fit another camera of the document.
+    #[error(
+        "its clicks are {own_rms_px:.1} px off with its camera, {rms_px:.1} px with {camera:?}; assign it to that one"
+    )]
+    OtherCamera {
+        /// The camera that fits.
+        camera: String,
+        /// How well, px.
+        rms_px: f64,
+        /// How well its own does, px.
+        own_rms_px: f64,
+    },
+    /// The base fits the frames before and not those after.
+    #[error(
+        "stopped fitting at {frame} ({before_px:.0} px before, {after_px:.0} px since); assign the frames from there on to a new camera"
+    )]
+    StoppedFitting {
+        /// The first frame that does not fit.
+        frame: String,
+        /// Median distance of the clicks before, px.
+        before_px: f64,
+        /// And from there on, px.
+        after_px: f64,
+    },
+    /// The frame and its camera disagree about the size of the picture.
+    #[error("{} where its camera has {}; assign it to a camera of its own size", size(*frame), size(*camera))]
+    CameraSize {
+        /// The frame's.
+        frame: ImageSize,
+        /// The camera's.
+        camera: ImageSize,
+    },
+    /// A landmark that the field does not have.
+    #[error("click {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .click + 1)]
+    UnknownLandmark {
+        /// The click.
+        click: usize,
+        /// The name.
+        name: String,
+    },
+    /// A line that the field does not have.
+    #[error("click {} names the line {name:?}, which the field does not have; `touchline fields` lists them", .click + 1)]
+    UnknownLine {
+        /// The click.
+        click: usize,
+        /// The name.
+        name: String,
+    },
+    /// A click that nobody has named.
+    #[error("click {} has no name yet; name it or delete it", .click + 1)]
+    UnnamedClick {
+        /// The click.
+        click: usize,
+    },
+    /// A landmark clicked twice in one frame.
+    #[error("clicks {} and {} both name the landmark {name:?}; delete one", .first + 1, .second + 1)]
+    DuplicateLandmark {
+        /// The first click.
+        first: usize,
+        /// The second.
+        second: usize,
+        /// The name.
+        name: String,
+    },
+    /// A click outside the picture.
+    #[error("click {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .click + 1, size(*picture))]
+    ClickOutside {
+        /// The click.
+        click: usize,
+        /// Its x, px.
+        x: f64,
+        /// Its y, px.
+        y: f64,
+        /// The picture's size.
+        picture: ImageSize,
+    },
+    /// The document's click noise is not readable or not plausible.
+    #[error("click_noise: {message}; click the gold frames again or remove it")]
+    ClickNoise {
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A blind click on a landmark that the field does not have.
+    #[error("repeat {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .repeat + 1)]
+    UnknownLandmarkAgain {
+        /// The repeat.
+        repeat: usize,
+        /// The name.
+        name: String,
+    },
+    /// A blind click outside the picture.
+    #[error("repeat {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .repeat + 1, size(*picture))]
+    RepeatOutside {
+        /// The repeat.
+        repeat: usize,
+        /// Its x, px.
+        x: f64,
+        /// Its y, px.
+        y: f64,
+        /// The picture's size.
+        picture: ImageSize,
+    },
+    /// The status promises a camera that is not there.
+    #[error("is {} but has no ptz; solve it", status.as_str())]
+    Unsolved {
+        /// The status.
+        status: FrameStatus,
+    },
+    /// Not calibratable, without a reason.
+    #[error("is rejected without a reason")]
+    NoReason,
+    /// A camera that sees nothing of a lens: part of the picture has no ray.
+    #[error("with k1 = {k1:.4} the lens model folds inside the picture; check the distortion")]
+    LensFolds {
+        /// k₁ at the frame's focal length.
+        k1: f64,
+    },
+    /// The camera stands under the ground.
+    #[error("stands {:.1} m under the ground; check its position and the sign of z", -.z_m)]
+    UnderGround {
+        /// Its height, m.
+        z_m: f64,
+    },
+    /// The camera stands too far away to see anything.
+    #[error("stands {distance_m:.0} m from the middle of the field; check its position and its unit")]
+    FarAway {
+        /// From the middle of the field, m.
+        distance_m: f64,
+    },
+    /// The camera shows no part of the field.
+    #[error("its camera does not look at the field; check pan and tilt, or solve it again")]
+    LooksElsewhere,
+    /// No lens has this focal length.
+    #[error("its focal length of {focal_px} px is none of a lens ({shortest:.0} to {longest:.0} px); solve it again")]
+    NoSuchFocalLength {
+        /// px.
+        focal_px: f64,
+        /// The shortest of a picture of this width, px.
+        shortest: f64,
+        /// The longest, px.
+        longest: f64,
+    },
+    /// No lens distorts like this.
+    #[error("no lens distorts like k1 = {k1:.4}; check the distortion")]
+    NoSuchLens {
+        /// k₁ at the frame's focal length.
+        k1: f64,
+    },
+    /// The solution speaks of a click that does not exist.
+    #[error("its solution refers to click {}, but there are {clicks}; solve it again", .click + 1)]
+    NoSuchClick {
+        /// The click.
+        click: usize,
+        /// How many there are.
+        clicks: usize,
+    },
+    /// The picture cannot be had.
+    #[error("{message}")]
+    Picture {
+        /// What the reader says.
+        message: String,
+        /// The file is not there.
+        missing: bool,
+    },
+    /// The picture has another size than the document says.
+    #[error("the picture is {}, the document says {}; it is not the one that was labelled", size(*actual), size(*stated))]
+    PictureSize {
+        /// The file's.
+        actual: ImageSize,
+        /// The document's.
+        stated: ImageSize,
+    },
+    /// The file's bytes are others than when it was labelled.
+    #[error("the image changed since it was labelled (its SHA-256 is {actual}); inspect the label")]
+    PictureChanged {
+        /// The file's SHA-256.
+        actual: String,
+    },
+    /// The stated time is not the stated frame's.
+    #[error("pts_s {stated} is not the time of frame {index} of the video{}; inspect the label", actual.map_or_else(String::new, |pts| format!(" ({pts:.4})")))]
+    VideoTime {
+        /// The stated frame, from 0.
+        index: u64,
+        /// The stated time, s.
+        stated: f64,
+        /// When that frame is shown, s.
+        actual: Option<f64>,
+    },
+    /// The same camera in frames between which the picture moves.
+    #[error(
+        "from here to {last} ({frames} frames) the camera does not move although the picture does; check these frames"
+    )]
+    StillCamera {
+        /// The last of the frames.
+        last: String,
+        /// How many there are.
+        frames: usize,
+    },
+    /// The video has fewer frames.
+    #[error("the video has {frames} frames, numbered from 0; there is no frame {index}")]
+    NoSuchVideoFrame {
+        /// The stated frame, from 0.
+        index: u64,
+        /// How many decode.
+        frames: usize,
+    },
+}
+
+impl Fault {
+    /// The name that machines read.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::DuplicateCamera => "duplicate_camera",
+            Self::UnusedDistortion { .. } => "unused_distortion",
+            Self::HalfABase { .. } => "half_a_base",
+            Self::Field { .. } => "field",
+            Self::NotFinite { .. } => "not_finite",
+            Self::NotPositive { .. } => "not_positive",
+            Self::NoSha256 => "no_sha256",
+            Self::NoTime { .. } => "no_time",
+            Self::UnknownFrame { .. } => "unknown_frame",
+            Self::EmptyMask { .. } => "empty_mask",
+            Self::DuplicateFrame { .. } => "duplicate_frame",
+            Self::NoPicture => "no_picture",
+            Self::UnknownCamera { .. } => "unknown_camera",
+            Self::OtherCamera { .. } => "other_camera",
+            Self::StoppedFitting { .. } => "stopped_fitting",
+            Self::CameraSize { .. } => "camera_size",
+            Self::UnknownLandmark { .. } => "unknown_landmark",
+            Self::UnknownLine { .. } => "unknown_line",
+            Self::UnnamedClick { .. } => "unnamed_click",
+            Self::DuplicateLandmark { .. } => "duplicate_landmark",
+            Self::StaleSolution { .. } => "stale_solution",
+            Self::OffPaint { .. } => "off_paint",
+            Self::ClickOutside { .. } => "click_outside",
+            Self::ClickNoise { .. } => "click_noise",
+            Self::UnknownLandmarkAgain { .. } => "unknown_landmark_again",
+            Self::RepeatOutside { .. } => "repeat_outside",
+            Self::Unsolved { .. } => "unsolved",
+            Self::NoReason => "no_reason",
+            Self::LensFolds { .. } => "lens_folds",
+            Self::UnderGround { .. } => "under_ground",
+            Self::FarAway { .. } => "far_away",
+            Self::LooksElsewhere => "looks_elsewhere",
+            Self::NoSuchFocalLength { .. } => "no_such_focal_length",
+            Self::NoSuchLens { .. } => "no_such_lens",
+            Self::NoSuchClick { .. } => "no_such_click",
+            Self::Picture { missing: true, .. } => "missing_picture",
+            Self::Picture { .. } => "unreadable_picture",
+            Self::PictureSize { .. } => "picture_size",
+            Self::PictureChanged { .. } => "picture_changed",
+            Self::VideoTime { .. } => "video_time",
+            Self::StillCamera { .. } => "still_camera",
+            Self::NoSuchVideoFrame { .. } => "no_such_video_frame",
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Everything wrong with a document, by name.
+
+mod cameras;
+mod fault;
+mod pictures;
+mod plausible;
+mod stale;
+mod still;
+mod values;
+
+pub use cameras::check_cameras;
+pub use fault::{Fault, Problem};
+pub use pictures::{PictureCheck, check_pictures};
+pub use stale::check_solutions;
+pub use still::check_still_runs;
+pub use values::check_values;
+
+use touchline_documents::document::Frame;
+
+/// How a problem names a frame.
+fn place_of(index: usize, frame: &Frame) -> String {
+    format!("frames[{index}] ({})", frame.name())
+}

@@ -1,0 +1,115 @@
+//! What a look at the pictures shows to be wrong: missing, changed, of another size, another frame of the video.
+
+use super::fault::{Fault, Problem};
+use super::place_of;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use touchline_documents::document::{DocumentAt, Frame, VideoFrame};
+use touchline_vision::media::{self, FrameReader, MediaError, VideoInfo};
+
+/// Compares the pictures of a document with what it states of them. Every video is opened once.
+pub struct PictureCheck<'a> {
+    document: DocumentAt<'a>,
+    videos: Videos,
+}
+
+impl<'a> PictureCheck<'a> {
+    /// Opens the videos of a document.
+    #[must_use]
+    pub fn open(document: DocumentAt<'a>) -> Self {
+        Self { document, videos: videos(document) }
+    }
+
+    /// What is wrong with the picture of a frame, by its position.
+    #[must_use]
+    pub fn faults(&self, index: usize) -> Vec<Fault> {
+        let frame = self.document.frames.get(index);
+        frame.map_or_else(Vec::new, |frame| check_frame(frame, self.document.folder, &self.videos))
+    }
+}
+
+/// Everything wrong with the pictures of a document, in its order. `progress` is called once for each frame, from any
+/// thread. Images are read in parallel, every video is opened once.
+#[must_use]
+pub fn check_pictures(document: DocumentAt<'_>, progress: &(dyn Fn() + Sync)) -> Vec<Problem> {
+    let check = PictureCheck::open(document);
+    let faults = (0..document.frames.len()).into_par_iter().map(|index| {
+        let faults = check.faults(index);
+        progress();
+        faults
+    });
+    let faults: Vec<Vec<Fault>> = faults.collect();
+    let of_frame = |(index, faults): (usize, Vec<Fault>)| {
+        let place = place_of(index, &document.frames[index]);
+        faults.into_iter().map(move |fault| Problem { place: place.clone(), frame: Some(index), fault })
+    };
+    faults.into_iter().enumerate().flat_map(of_frame).collect()
+}
+
+type Videos = BTreeMap<PathBuf, Result<VideoInfo, MediaError>>;
+
+fn videos(document: DocumentAt<'_>) -> Videos {
+    let mut videos = Videos::new();
+    for video in document.frames.iter().filter_map(|frame| frame.video.as_ref()) {
+        videos
+            .entry(video.file_path(document.folder))
+            .or_insert_with_key(|path| FrameReader::new().video_info(path).cloned());
+    }
+    videos
+}
+
+fn check_frame(frame: &Frame, folder: &Path, videos: &Videos) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if let Some(image) = frame.image_path(folder) {
+        check_image(frame, &image, &mut faults);
+    }
+    if let Some(video) = &frame.video
+        && let Some(opened) = videos.get(&video.file_path(folder))
+    {
+        match opened {
+            Ok(info) => check_video(frame, video, info, &mut faults),
+            Err(error) => faults.push(unreadable(error)),
+        }
+    }
+    faults
+}
+
+fn unreadable(error: &MediaError) -> Fault {
+    Fault::Picture { message: error.to_string(), missing: matches!(error, MediaError::Missing { .. }) }
+}
+
+fn check_image(frame: &Frame, path: &Path, faults: &mut Vec<Fault>) {
+    match media::image_size(path) {
+        Err(error) => {
+            faults.push(unreadable(&error));
+            return;
+        }
+        Ok(actual) if actual != frame.image_size => {
+            faults.push(Fault::PictureSize { actual, stated: frame.image_size });
+        }
+        Ok(_) => {}
+    }
+    let Some(stated) = &frame.sha256 else { return };
+    match media::sha256_of_file(path) {
+        Ok(actual) if actual.eq_ignore_ascii_case(stated) => {}
+        Ok(actual) => faults.push(Fault::PictureChanged { actual }),
+        Err(error) => faults.push(unreadable(&error)),
+    }
+}
+
+fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut Vec<Fault>) {
+    let index = usize::try_from(video.frame_index).ok().filter(|index| *index < info.decoded_frames);
+    let Some(index) = index else {
+        faults.push(Fault::NoSuchVideoFrame { index: video.frame_index, frames: info.decoded_frames });
+        return;
+    };
+    if let Some(stated) = video.pts_s
+        && info.clock.index_at(stated) != Some(index)
+    {
+        faults.push(Fault::VideoTime { index: video.frame_index, stated, actual: info.pts_s(index) });
+    }
+    if frame.image.is_none() && info.size != frame.image_size {
+        faults.push(Fault::PictureSize { actual: info.size, stated: frame.image_size });
+    }
+}

@@ -1,0 +1,113 @@
+//! Cameras that no one sets up: under the ground, a kilometre away, turned away from the field, or with a lens that nobody builds. They
+//! come with imported files and by numbers set manually; every number of them is finite, and no click need disagree.
+
+use super::fault::Fault;
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_documents::document::{Camera, Document, Frame};
+
+/// A camera farther from the middle of the field shows none of it that could be labelled, m.
+const FARTHEST_M: f64 = 1000.0;
+/// Focal lengths beyond these are no lens's, in widths of the picture: views of 136° and 0.2°.
+const FOCAL_WIDTHS: [f64; 2] = [0.2, 300.0];
+/// The most that a lens moves the corner of a picture, as a share of its distance from the middle.
+const MOST_BENT: f64 = 0.5;
+/// Ground that lies this far beside the field still counts as a look at it, m.
+const BESIDE_M: f64 = 15.0;
+/// The picture is looked through on a grid with this many steps each way, its edges included.
+const GRID: u32 = 12;
+
+/// What is implausible about a camera's place.
+pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
+    let Some(base) = camera.base().filter(CameraBase::is_finite) else { return };
+    if base.position_m.z <= 0.0 {
+        problem(Fault::UnderGround { z_m: base.position_m.z });
+    }
+    let distance_m = base.position_m.norm();
+    if distance_m >= FARTHEST_M {
+        problem(Fault::FarAway { distance_m });
+    }
+}
+
+/// What is implausible about where and how a solved frame looks.
+pub fn check_view(document: &Document, frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
+    let Some(pointed) = document.pointed(frame).filter(|pointed| pointed.ptz().is_finite()) else { return };
+    // A base that is no number and a lens that folds inside the picture are named as such.
+    let folds = |corner: &ImagePoint| pointed.cam_plane_from_image(*corner).is_err();
+    if !pointed.base().is_finite() || frame.image_size.corners().iter().any(folds) {
+        return;
+    }
+    let (focal_px, width) = (pointed.ptz().focal_px, f64::from(frame.image_size.width));
+    let [shortest, longest] = FOCAL_WIDTHS.map(|widths| widths * width);
+    if !(shortest..=longest).contains(&focal_px) {
+        problem(Fault::NoSuchFocalLength { focal_px, shortest, longest });
+        // What such a camera sees says nothing more.
+        return;
+    }
+    let corner = frame.image_size.centre().distance_px(ImagePoint::new(0.0, 0.0)) / focal_px;
+    if (pointed.k1() * corner * corner).abs() > MOST_BENT {
+        problem(Fault::NoSuchLens { k1: pointed.k1() });
+        return;
+    }
+    // A camera that is not above the ground is named as such.
+    if field.is_some_and(|field| pointed.base().position_m.z > 0.0 && !sees_field(&pointed, frame.image_size, field)) {
+        problem(Fault::LooksElsewhere);
+    }
+}
+
+/// Whether any part of a picture shows the field or what lies right beside it.
+fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool {
+    let [half_x, half_y] = [field.length_m, field.width_m].map(|side| 0.5 * side + BESIDE_M);
+    let at = |step: u32, side: u32| f64::from(step) / f64::from(GRID) * f64::from(side);
+    let mut pixels = (0..=GRID).flat_map(|column| (0..=GRID).map(move |row| (column, row)));
+    pixels.any(|(column, row)| {
+        let ground = pointed.plane_from_image(ImagePoint::new(at(column, size.width), at(row, size.height)), 0.0);
+        ground.is_some_and(|ground| ground.x.abs() <= half_x && ground.y.abs() <= half_y)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::check_values;
+    use std::path::Path;
+    use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
+    use touchline_core::geometry::Vec3;
+    use touchline_documents::document::{FieldSpec, FramePtz};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// What the check says of one frame.
+    fn codes(position_m: Vec3, (pan_deg, tilt_deg, focal_px): (f64, f64, f64), k1: f64) -> Vec<&'static str> {
+        let base = CameraBase {
+            distortion: FocalCurve::constant(k1),
+            ..CameraBase::new(position_m, BaseAngles::default().base_from_world(), SIZE.centre())
+        };
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, tilt_deg, focal_px), None));
+        document.frames.push(frame.into());
+        check_values(document.at(Path::new("/"))).iter().map(|problem| problem.fault.code()).collect()
+    }
+
+    #[test]
+    fn cameras_that_nobody_sets_up_are_named() {
+        let (there, view) = (Vec3::new(0.0, -60.0, 18.0), (12.5, -11.2, 2410.0));
+        assert_eq!(codes(there, view, 0.07), [""; 0]);
+        assert_eq!(codes(Vec3::new(0.0, -60.0, -18.0), view, 0.0), ["under_ground"]);
+        assert_eq!(codes(Vec3::new(0.0, -1200.0, 18.0), view, 0.0), ["far_away", "looks_elsewhere"]);
+        assert_eq!(codes(there, (180.0, -11.2, 2410.0), 0.0), ["looks_elsewhere"]);
+        assert_eq!(codes(there, (0.0, 30.0, 2410.0), 0.0), ["looks_elsewhere"]);
+        for focal_px in [1.0, 3_446_737.0, 1e12] {
+            assert_eq!(codes(there, (0.0, -11.2, focal_px), 0.0), ["no_such_focal_length"], "{focal_px}");
+        }
+        assert_eq!(codes(there, view, 50.0), ["no_such_lens"]);
+        // A close-up of a corner, and a wide lens that bends.
+        assert_eq!(codes(there, (40.0, -12.0, 30_000.0), 0.0), [""; 0]);
+        assert_eq!(codes(there, (0.0, -14.0, 1400.0), -0.15), [""; 0]);
+    }
+}

@@ -1,0 +1,92 @@
+//! What a document knows of the cameras of a clip.
+
+use super::frames::ClipFrames;
+use crate::calibrate::own_covariance;
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_documents::document::{Document, Frame, FrameStatus, SolutionSource};
+use touchline_vision::track::{Anchor, AnchorSource};
+
+/// A proposal less certain than this holds nothing.
+pub(super) const SURE: f64 = 0.9;
+
+/// What is known of a clip's frames, and how certain the most certain of it is.
+pub(super) fn anchors(
+    document: &Document,
+    clip: &ClipFrames,
+    field: &FieldModel,
+    base: &CameraBase,
+) -> Vec<(Anchor, f64)> {
+    let frames =
+        clip.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
+    frames.filter_map(|(at, frame)| of_frame(frame, at, field, base)).collect()
+}
+
+/// Whether a frame's camera is certain enough to be carried on from, and was not carried there itself.
+#[must_use]
+pub fn is_anchor(frame: &Frame) -> bool {
+    confidence_of(frame).is_some()
+}
+
+/// How certain a person or the forest is of a frame's camera; none where it holds nothing.
+fn confidence_of(frame: &Frame) -> Option<f64> {
+    frame.ptz.as_ref()?;
+    if is_persons(frame) {
+        return Some(1.0);
+    }
+    let solution = frame.solution.as_ref()?;
+    // Another program's camera says nothing of how exact it is. It holds weakly, and the points and the paint of the clip judge it.
+    let unstated = (solution.source == Some(SolutionSource::Import)).then_some(SURE);
+    let confidence = solution.confidence.or(unstated)?;
+    (confidence >= SURE && !frame.is_carried()).then_some(confidence)
+}
+
+fn is_persons(frame: &Frame) -> bool {
+    frame.status == FrameStatus::Reference || frame.is_solved_by_clicks()
+}
+
+fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> Option<(Anchor, f64)> {
+    let confidence = confidence_of(frame)?;
+    let ptz = frame.ptz.as_ref()?.ptz();
+    let camera = PtzCamera::new(*base, ptz);
+    let covariance = own_covariance(frame, &camera, Some(field));
+    let by = match frame.solution.as_ref().and_then(|solution| solution.source) {
+        _ if is_persons(frame) => AnchorSource::Person,
+        // Aligned to the painted lines, whoever found it.
+        Some(SolutionSource::Markings) => AnchorSource::Paint,
+        _ => AnchorSource::Proposal,
+    };
+    Some((Anchor { frame: at, ptz, covariance, by }, confidence))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FramePtz, Solution};
+
+    fn frame(source: SolutionSource, confidence: Option<f64>, status: FrameStatus) -> Frame {
+        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(1920, 1080));
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(3.0, -10.0, 2400.0), None));
+        frame.solution = Some(Solution { source: Some(source), confidence, ..Solution::default() });
+        frame.status = status;
+        frame
+    }
+
+    #[test]
+    fn imported_cameras_hold_without_a_sigma_and_uncertain_or_tracked_ones_do_not() {
+        use FrameStatus::{Draft, Reference, Suggested};
+        use SolutionSource::{Forest, Import, Markings, Tracking};
+        for (source, confidence, status, holds) in [
+            (Import, None, Draft, Some(SURE)),
+            (Import, None, Reference, Some(1.0)),
+            (Markings, Some(0.97), Suggested, Some(0.97)),
+            (Forest, Some(0.6), Suggested, None),
+            (Forest, None, Suggested, None),
+            (Tracking, Some(0.99), Suggested, None),
+        ] {
+            assert_eq!(confidence_of(&frame(source, confidence, status)), holds, "{source:?} {status:?}");
+        }
+    }
+}

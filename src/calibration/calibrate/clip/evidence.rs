@@ -1,0 +1,130 @@
+//! What the pictures of a clip say about its cameras, kept for another look at the clip.
+
+use super::paint::Painted;
+use std::collections::BTreeMap;
+use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_vision::media::FrameRef;
+use touchline_vision::track::{FollowOptions, PointTracks};
+
+/// The points that were followed through a clip's pictures, and the paint that was looked for in them. With it the clip is adjusted
+/// to a corrected frame without reading its pictures again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClipEvidence {
+    followed: Option<Followed>,
+    base: Option<CameraBase>,
+    paint: BTreeMap<usize, SeenPaint>,
+}
+
+/// Pictures through which points are followed, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FollowedPictures {
+    pub sources: Vec<FrameRef>,
+    pub options: FollowOptions,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Followed {
+    pictures: FollowedPictures,
+    /// Of each picture.
+    masks: Vec<Vec<PixelBox>>,
+    tracks: PointTracks,
+}
+
+/// What paint said about a camera.
+#[derive(Clone, Debug, PartialEq)]
+struct SeenPaint {
+    asked: Ptz,
+    says: Painted,
+}
+
+/// A camera that starts no farther from where paint pulled one is pulled to the same place, px at 1920 px width.
+const PULLED_ALIKE_PX: f64 = 8.0;
+
+/// Paint that pulled no camera says the same about one no farther away, px at 1920 px width.
+const JUDGED_ALIKE_PX: f64 = 1.0;
+
+impl ClipEvidence {
+    /// Whether points were followed through this picture.
+    #[must_use]
+    pub fn shows(&self, picture: &FrameRef) -> bool {
+        self.followed.as_ref().is_some_and(|followed| followed.pictures.sources.contains(picture))
+    }
+
+    /// The points, if they were followed through the same pictures in the same way; those that lie under these masks are left out.
+    pub(super) fn tracks(&mut self, pictures: &FollowedPictures, masks: &[Vec<PixelBox>]) -> Option<PointTracks> {
+        let followed = self.followed.as_mut().filter(|followed| followed.pictures == *pictures)?;
+        if followed.masks != masks {
+            followed.tracks = followed.tracks.outside(masks);
+            let Followed { masks: before, .. } = followed;
+            self.paint.retain(|frame, _| before.get(*frame) == masks.get(*frame));
+            *before = masks.to_vec();
+        }
+        Some(followed.tracks.clone())
+    }
+
+    /// Takes newly followed points in place of everything.
+    pub(super) fn begin(&mut self, pictures: FollowedPictures, masks: Vec<Vec<PixelBox>>, tracks: PointTracks) {
+        *self = Self { followed: Some(Followed { pictures, masks, tracks }), ..Self::default() };
+    }
+
+    /// Forgets the paint if it was seen with another base.
+    pub(super) fn with_base(&mut self, base: &CameraBase) {
+        if self.base.as_ref() != Some(base) {
+            self.base = Some(*base);
+            self.paint.clear();
+        }
+    }
+
+    /// What the paint of a frame says about a camera, if it was asked about one like it.
+    pub(super) fn paint(&self, frame: usize, ptz: Ptz, size: ImageSize) -> Option<Painted> {
+        let SeenPaint { asked, says } = self.paint.get(&frame)?;
+        let (from, alike_px) = match says {
+            Painted::Snapped(anchor) => (anchor.ptz, PULLED_ALIKE_PX),
+            Painted::Contradicts | Painted::Open => (*asked, JUDGED_ALIKE_PX),
+        };
+        (apart_px(from, ptz, size) <= alike_px * size.scale_from_1920()).then(|| says.clone())
+    }
+
+    /// Keeps what the paint of a frame said.
+    pub(super) fn keep_paint(&mut self, frame: usize, asked: Ptz, says: Painted) {
+        self.paint.insert(frame, SeenPaint { asked, says });
+    }
+}
+
+/// About how far apart two cameras' pictures are, px: in the middle, or at the left and right border.
+pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
+    let across = other.pan.turn_from(one.pan).radians() * one.tilt.radians().cos();
+    let turned_px = across.hypot((other.tilt - one.tilt).radians()) * one.focal_px;
+    let zoomed_px = 0.5 * f64::from(size.width) * (other.focal_px / one.focal_px).ln().abs();
+    turned_px.max(zoomed_px)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    #[test]
+    fn paint_is_remembered_for_cameras_like_the_one_that_it_was_asked_about_and_for_one_base() {
+        let base = |x| {
+            CameraBase::new(
+                touchline_core::geometry::Vec3::new(x, -60.0, 18.0),
+                touchline_core::camera::BaseAngles::default().base_from_world(),
+                SIZE.centre(),
+            )
+        };
+        let ptz = |pan| Ptz::from_degrees(pan, -10.0, 2000.0);
+        let mut evidence = ClipEvidence::default();
+        evidence.with_base(&base(0.0));
+        evidence.keep_paint(7, ptz(3.0), Painted::Contradicts);
+        assert_eq!(evidence.paint(7, ptz(3.01), SIZE), Some(Painted::Contradicts));
+        assert_eq!(evidence.paint(7, ptz(3.1), SIZE), None, "3.4 px away");
+        assert_eq!(evidence.paint(8, ptz(3.0), SIZE), None);
+        evidence.with_base(&base(0.0));
+        assert!(evidence.paint(7, ptz(3.0), SIZE).is_some());
+        evidence.with_base(&base(0.1));
+        assert_eq!(evidence.paint(7, ptz(3.0), SIZE), None, "it was seen with another base");
+    }
+}

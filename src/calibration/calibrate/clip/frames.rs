@@ -1,0 +1,126 @@
+//! Which frames of a document follow each other in time.
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use touchline_documents::document::{CameraId, Clip, DocumentAt, FrameStatus};
+use touchline_vision::media::FrameRef;
+
+/// A picture of a clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClipFrame {
+    /// Where it is.
+    pub source: FrameRef,
+    /// The document's frame that shows it, by its place; none for a frame of a video that the document leaves out.
+    pub place: Option<usize>,
+}
+
+/// Pictures of one camera that follow each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClipFrames {
+    /// The camera.
+    pub camera: CameraId,
+    /// In the order of time.
+    pub frames: Vec<ClipFrame>,
+}
+
+/// Where so many frames of a video are missing from the document, a clip ends: nothing is carried that far.
+const GAP: usize = 300;
+
+/// The clips of a document: the frames of each video, with those between them that the document leaves out, and the images of
+/// each camera and shot in the document's order. Rejected frames belong to none. `within` leaves out frames of a video
+/// with other numbers, and images at other places.
+#[must_use]
+pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -> Vec<ClipFrames> {
+    type Key<'a> = (&'a CameraId, Option<&'a Clip>, Option<PathBuf>);
+    let mut of_key: BTreeMap<Key<'_>, usize> = BTreeMap::new();
+    let mut groups: Vec<(CameraId, Vec<(usize, FrameRef)>)> = Vec::new();
+    for (place, frame) in document.document.frames.iter().enumerate() {
+        let Some(source) = frame.picture_source(document.folder) else { continue };
+        let number = if let FrameRef::Video { index, .. } = &source { *index } else { place };
+        if frame.status == FrameStatus::Rejected || within.is_some_and(|within| !within.contains(&number)) {
+            continue;
+        }
+        let video = if let FrameRef::Video { path, .. } = &source { Some(path.to_path_buf()) } else { None };
+        let group = *of_key.entry((&frame.camera, frame.clip.as_ref(), video)).or_insert(groups.len());
+        match groups.get_mut(group) {
+            Some((_, frames)) => frames.push((place, source)),
+            None => groups.push((frame.camera.clone(), vec![(place, source)])),
+        }
+    }
+    groups.into_iter().flat_map(|(camera, frames)| in_time(&camera, frames)).collect()
+}
+
+/// The frames of one video or folder as clips without large gaps, each with the frames that the document leaves out.
+fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFrames> {
+    let number = |source: &FrameRef| if let FrameRef::Video { index, .. } = source { Some(*index) } else { None };
+    frames.sort_by_key(|(place, source)| (number(source), *place));
+    frames.dedup_by_key(|(place, source)| number(source).unwrap_or(*place));
+    let mut clips: Vec<ClipFrames> = Vec::new();
+    for (place, source) in frames {
+        let between = match (number(&source), clips.last().and_then(|clip| clip.frames.last())) {
+            (Some(index), Some(last)) => number(&last.source).map_or(0..0, |last| last + 1..index),
+            _ => 0..0,
+        };
+        let clip = match clips.last_mut() {
+            Some(clip) if between.len() < GAP => clip,
+            _ => {
+                clips.push(ClipFrames { camera: camera.clone(), frames: Vec::new() });
+                let frames = vec![ClipFrame { source, place: Some(place) }];
+                if let Some(clip) = clips.last_mut() {
+                    clip.frames = frames;
+                }
+                continue;
+            }
+        };
+        if let FrameRef::Video { path, .. } = &source {
+            let left_out = |index| ClipFrame { source: FrameRef::Video { path: path.clone(), index }, place: None };
+            clip.frames.extend(between.map(left_out));
+        }
+        clip.frames.push(ClipFrame { source, place: Some(place) });
+    }
+    clips
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, FieldSpec, Frame, VideoFrame};
+
+    fn document(frames: &[(&str, Option<u64>)]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for (path, index) in frames {
+            let mut frame = Frame::from_image(path, "main".into(), ImageSize::new(64, 36));
+            if let Some(index) = index {
+                frame.image = None;
+                frame.video = Some(VideoFrame::new(path, *index, None));
+            }
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn listed(document: &Document, within: Option<&RangeInclusive<usize>>) -> Vec<Vec<Option<usize>>> {
+        let clips = clips(document.at(Path::new("/f")), within);
+        clips.iter().map(|clip| clip.frames.iter().map(|frame| frame.place).collect()).collect()
+    }
+
+    #[test]
+    fn frames_of_a_video_are_in_the_order_of_time_with_those_between() {
+        let document = document(&[("v.mp4", Some(7)), ("v.mp4", Some(4)), ("w.mp4", Some(5)), ("v.mp4", Some(900))]);
+        let clips = clips(document.at(Path::new("/f")), None);
+        let frames: Vec<_> = clips[0].frames.iter().map(|frame| frame.source.to_string()).collect();
+        assert_eq!(frames.len(), 4, "{frames:?}");
+        assert_eq!(listed(&document, None), [vec![Some(1), None, None, Some(0)], vec![Some(3)], vec![Some(2)]]);
+        assert_eq!(listed(&document, Some(&(5..=8))), [vec![Some(0)], vec![Some(2)]]);
+    }
+
+    #[test]
+    fn images_keep_their_order_and_rejected_ones_are_left_out() {
+        let mut document = document(&[("b.jpg", None), ("a.jpg", None), ("c.jpg", None)]);
+        document.frames[1].status = FrameStatus::Rejected;
+        assert_eq!(listed(&document, None), [[Some(0), Some(2)]]);
+    }
+}

@@ -1,0 +1,22 @@
+//! A clip of a document: cameras carried from the frames that are known to all others, adjusted together.
+
+mod anchors;
+mod certainty;
+mod error;
+mod evidence;
+mod fit;
+mod frames;
+mod options;
+mod paint;
+mod pictures;
+mod record;
+mod track;
+
+pub use anchors::is_anchor;
+pub use error::TrackClipError;
+pub use evidence::ClipEvidence;
+pub use frames::{ClipFrame, ClipFrames, clips};
+pub use options::{ClipProgress, TrackClipOptions, WatchClip};
+pub use record::record_tracked;
+pub(crate) use record::record_tracked_frame;
+pub use track::{ClipStop, MovedReference, TrackedClip, TrackedFrame, track_clip};

@@ -1,0 +1,122 @@
+//! The pictures of a clip: read in order, points followed through them, and their paint asked about cameras.
+
+use super::error::TrackClipError;
+use super::evidence::{ClipEvidence, FollowedPictures};
+use super::frames::ClipFrames;
+use super::options::{ClipProgress, WatchClip};
+use super::paint::{MaskedPicture, Painted};
+use std::ops::ControlFlow;
+use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_documents::document::DocumentAt;
+use touchline_vision::media::{Picture, ReadFrames};
+use touchline_vision::track::{FollowOptions, PointFollower, PointTracks, TrackError};
+
+/// The pictures of a clip.
+pub(super) struct ClipPictures<'a> {
+    pub at: DocumentAt<'a>,
+    pub clip: &'a ClipFrames,
+    pub size: ImageSize,
+}
+
+impl ClipPictures<'_> {
+    /// A frame's picture, with its masks.
+    pub fn read_masked(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<MaskedPicture, TrackClipError> {
+        Ok(MaskedPicture { picture: self.read(reader, frame)?, masks: self.masks(frame) })
+    }
+
+    fn read(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<Picture, TrackClipError> {
+        let source = &self.clip.frames[frame].source;
+        let picture = reader.read(source)?;
+        let (actual, expected) = (picture.size(), self.size);
+        if actual == expected {
+            return Ok(picture);
+        }
+        Err(TrackClipError::Size {
+            picture: source.to_string(),
+            actual: (actual.width, actual.height),
+            expected: (expected.width, expected.height),
+        })
+    }
+
+    /// What gives no points in a frame. One that the document leaves out has the masks of the frame before.
+    fn masks(&self, frame: usize) -> Vec<PixelBox> {
+        let before = self.clip.frames[..=frame].iter().rev().find_map(|frame| frame.place);
+        let of_document = before.and_then(|place| self.at.document.frames.get(place));
+        of_document.map(|frame| self.at.document.masks_of(frame)).unwrap_or_default()
+    }
+
+    /// The points of all pictures.
+    pub fn follow_points(
+        &self,
+        reader: &mut dyn ReadFrames,
+        options: FollowOptions,
+        evidence: &mut ClipEvidence,
+        watch: WatchClip<'_>,
+    ) -> Result<PointTracks, TrackClipError> {
+        let pictures =
+            FollowedPictures { sources: self.clip.frames.iter().map(|frame| frame.source.clone()).collect(), options };
+        let masks: Vec<_> = (0..self.clip.frames.len()).map(|frame| self.masks(frame)).collect();
+        if let Some(tracks) = evidence.tracks(&pictures, &masks) {
+            return Ok(tracks);
+        }
+        let tracks = self.follow_afresh(reader, options, &masks, watch)?;
+        evidence.begin(pictures, masks, tracks.clone());
+        Ok(tracks)
+    }
+
+    /// The points of all pictures, read one after the other; while one picture's are followed the next is read.
+    fn follow_afresh(
+        &self,
+        reader: &mut dyn ReadFrames,
+        options: FollowOptions,
+        masks: &[Vec<PixelBox>],
+        watch: WatchClip<'_>,
+    ) -> Result<PointTracks, TrackClipError> {
+        let count = self.clip.frames.len();
+        let mut follower = PointFollower::new(self.size, options);
+        let mut next = (count > 0).then(|| self.read(reader, 0)).transpose()?;
+        for (frame, masks) in masks.iter().enumerate() {
+            go_on(watch(ClipProgress::Following(frame, count)))?;
+            let Some(picture) = next.take() else { break };
+            let mut ended: Result<usize, TrackError> = Ok(0);
+            let read = rayon::in_place_scope(|scope| {
+                scope.spawn(|_| ended = follower.add(&picture, masks));
+                (frame + 1 < count).then(|| self.read(reader, frame + 1)).transpose()
+            });
+            ended?;
+            next = read?;
+        }
+        Ok(follower.finished())
+    }
+
+    /// What the paint of some frames says about their cameras. What it said about cameras like these before is not asked again.
+    pub fn ask_paint(
+        &self,
+        reader: &mut dyn ReadFrames,
+        (field, base): (&FieldModel, &CameraBase),
+        asked: &[(usize, Ptz)],
+        evidence: &mut ClipEvidence,
+        watch: WatchClip<'_>,
+    ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
+        let mut found = Vec::with_capacity(asked.len());
+        for (done, &(frame, ptz)) in asked.iter().enumerate() {
+            go_on(watch(ClipProgress::Painting(done, asked.len())))?;
+            let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
+                says
+            } else {
+                let says = Painted::from_picture(&self.read_masked(reader, frame)?, field, base, (frame, ptz));
+                evidence.keep_paint(frame, ptz, says.clone());
+                says
+            };
+            found.push((frame, says));
+        }
+        Ok(found)
+    }
+}
+
+/// An error where whoever watches wants it to end.
+pub(super) fn go_on(flow: ControlFlow<()>) -> Result<(), TrackClipError> {
+    if flow.is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
+}

@@ -1,0 +1,77 @@
+//! Tracked cameras, written into their document.
+
+use super::certainty::DIFFER_PX;
+use super::track::{TrackedClip, TrackedFrame};
+use crate::calibrate::LENGTH_UNSEEN;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::solve::Uncertainty;
+use touchline_documents::document::{
+    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+};
+
+/// The code of a warning that a camera carried from before and one carried from after differ.
+pub const SIDES_DIFFER: &str = "sides_differ";
+
+/// The key under which a smoothed frame keeps its camera as it was before.
+const RAW: &str = "raw_ptz";
+
+/// Writes the cameras of a tracked clip into its frames, as suggestions. Frames that people decided on keep everything but, where the
+/// motion was smoothed, their numbers.
+pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
+    for of_frame in &tracked.frames {
+        if let Some(frame) = document.frames.get_mut(of_frame.place) {
+            record_tracked_frame(frame, tracked, of_frame);
+        }
+    }
+    for moved in &tracked.references {
+        let Some(frame) = document.frames.get_mut(moved.place) else { continue };
+        frame.point(moved.ptz, PtzCamera::new(tracked.base, moved.ptz).lens());
+        let solution = frame.solution.get_or_insert_default();
+        keep_raw(solution, &tracked.base, moved.raw);
+    }
+}
+
+/// Keeps a camera as it was before it was smoothed.
+fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
+    let lens = Some(PtzCamera::new(*base, raw).lens()).filter(|lens| !lens.is_none());
+    if let Ok(raw) = serde_json::to_value(FramePtz::new(raw, lens)) {
+        solution.extra.entry(RAW.to_owned()).or_insert(raw);
+    }
+}
+
+/// Writes the camera that was carried to a frame into it, as a suggestion.
+pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
+    let camera = PtzCamera::new(clip.base, tracked.ptz);
+    frame.point(tracked.ptz, camera.lens());
+    frame.status = FrameStatus::Suggested;
+    // Of a camera that the paint contradicts nobody knows how far it is off.
+    let known = (!tracked.contradicted).then_some(&tracked.uncertainty);
+    let mut solution = Solution {
+        covariance: known.map(Uncertainty::ptz_covariance_deg),
+        own_covariance: known.map(Uncertainty::own_covariance_deg),
+        worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+        source: Some(SolutionSource::Tracking),
+        confidence: Some(tracked.confidence),
+        ..Solution::default()
+    };
+    if let Some(apart_px) = tracked.apart_px.filter(|apart| *apart > DIFFER_PX * frame.image_size.scale_from_1920()) {
+        let message = format!(
+            "tracked here from the known frame before and from the one after, the cameras are {apart_px:.1} px apart: click a frame between the two"
+        );
+        solution.warnings.push(SolutionWarning::new(SIDES_DIFFER, message));
+    }
+    if tracked.contradicted {
+        let message = "the painted lines are not where this camera projects them".to_owned();
+        solution.warnings.push(SolutionWarning::new(crate::calibrate::paint::LINE_CHECK, message));
+    }
+    if let Some(px) = tracked.length_px {
+        let message = format!(
+            "the field's length is assumed, and the lines about its middle may lie ±{px:.0} px off: state the length, or click a landmark there"
+        );
+        solution.warnings.push(SolutionWarning::new(LENGTH_UNSEEN, message));
+    }
+    if let Some(raw) = tracked.raw {
+        keep_raw(&mut solution, &clip.base, raw);
+    }
+    frame.solution = Some(solution);
+}

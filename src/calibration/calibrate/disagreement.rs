@@ -1,0 +1,307 @@
+//! How well solved frames agree with the motion of their neighbours.
+
+use nalgebra::SVector;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::geometry::{ImageSize, Vec2, distance_from_segment};
+use touchline_documents::document::{
+    Camera, CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames, Shared,
+};
+
+/// Neighbours farther away than this say nothing: a camera has had time to go anywhere.
+const WITHIN: f64 = 50.0;
+
+/// A corner that another camera has behind it lies this far off, px.
+const BEHIND_PX: f64 = 20_000.0;
+
+/// How a frame lies to the solved frames before and after it, px at 1920 px width: root mean square over the picture's
+/// corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disagreement {
+    /// From the way that leads from the frame before to the one after, wherever on it the frame may be.
+    pub apart_px: f64,
+    /// How far that way is.
+    pub neighbours_px: f64,
+}
+
+/// Two cameras that differ by less are the very same one, px at 1920 px width.
+const STILL_PX: f64 = 0.1;
+
+impl Disagreement {
+    /// Whether the camera stands exactly still from the frame before to the one after. An operator's never does for long: where the
+    /// picture moves, the answers come from something that is fixed on the screen.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.apart_px.max(self.neighbours_px) < STILL_PX
+    }
+}
+
+/// For every frame how it lies to its neighbours in time; none without a camera of its own or without two such neighbours in its
+/// shot.
+#[must_use]
+pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
+    Disagreements::of(document).found
+}
+
+/// How the frames of a document lie to their neighbours: only what has changed since the last look is compared again.
+#[derive(Clone, Debug, Default)]
+pub struct Disagreements {
+    cameras: Vec<Shared<Camera>>,
+    frames: Frames,
+    /// The places of the solved frames of each shot.
+    shots: BTreeMap<ShotKey, BTreeSet<usize>>,
+    found: Vec<Option<Disagreement>>,
+    edition: u64,
+    /// The frames that came to lie otherwise in the last editions, the last one at the end.
+    changed: Vec<usize>,
+}
+
+/// Once so many changes are remembered one by one, they are forgotten.
+const REMEMBERED: usize = 10_000;
+
+/// A camera and one of its shots; frames of a camera that belong to no shot are one.
+type ShotKey = (CameraId, Option<Clip>);
+
+impl Disagreements {
+    /// How the frames of a document lie.
+    #[must_use]
+    pub fn of(document: &Document) -> Self {
+        Self::anew(document, 0)
+    }
+
+    /// How a frame lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
+    #[must_use]
+    pub fn of_frame(&self, index: usize) -> Option<Disagreement> {
+        self.found.get(index).copied().flatten()
+    }
+
+    /// The solved frames of each shot, in order.
+    pub(super) fn shots(&self) -> impl Iterator<Item = &BTreeSet<usize>> {
+        self.shots.values()
+    }
+
+    /// Grows whenever a frame may lie otherwise than before.
+    #[must_use]
+    pub const fn edition(&self) -> u64 {
+        self.edition
+    }
+
+    /// The frames that came to lie otherwise since an edition; none where that is too long ago to be known.
+    #[must_use]
+    pub fn changed_since(&self, edition: u64) -> Option<&[usize]> {
+        let changes = usize::try_from(self.edition.checked_sub(edition)?).ok()?;
+        self.changed.get(self.changed.len().checked_sub(changes)?..)
+    }
+
+    /// Brings it up to date with a document.
+    pub fn update(&mut self, document: &Document) {
+        let same_cameras = self.cameras.len() == document.cameras.len()
+            && self.cameras.iter().zip(&document.cameras).all(|(known, camera)| known.is_same(camera));
+        match document.frames.changes_since(&self.frames) {
+            FrameChanges::At(changed) if same_cameras => self.change(document, &changed),
+            _ => *self = Self::anew(document, self.edition + 1),
+        }
+    }
+
+    fn anew(document: &Document, edition: u64) -> Self {
+        let mut shots: BTreeMap<ShotKey, BTreeSet<usize>> = BTreeMap::new();
+        for (index, frame) in document.frames.iter().enumerate() {
+            if let Some(key) = shot_if_solved(frame) {
+                shots.entry(key).or_default().insert(index);
+            }
+        }
+        let threes: Vec<[usize; 3]> = shots.values().flat_map(|shot| threes(shot.iter().copied())).collect();
+        let compared: Vec<Option<Disagreement>> = threes.par_iter().map(|three| compare(document, *three)).collect();
+        let mut found = vec![None; document.frames.len()];
+        for ([_, index, _], compared) in threes.into_iter().zip(compared) {
+            found[index] = compared;
+        }
+        let (cameras, frames) = (document.cameras.clone(), document.frames.clone());
+        Self { cameras, frames, shots, found, edition, changed: Vec::new() }
+    }
+
+    fn change(&mut self, document: &Document, changed: &[usize]) {
+        let before = std::mem::replace(&mut self.frames, document.frames.clone());
+        if self.changed.len() >= REMEMBERED {
+            self.changed.clear();
+        }
+        let mut concerned = BTreeSet::new();
+        for &index in changed {
+            concerned.insert(index);
+            for frame in [&before[index], &document.frames[index]] {
+                concerned.extend(self.beside(frame, index).into_iter().flatten());
+            }
+            if let Some(shot) = shot_if_solved(&before[index]).and_then(|key| self.shots.get_mut(&key)) {
+                shot.remove(&index);
+            }
+            if let Some(key) = shot_if_solved(&document.frames[index]) {
+                self.shots.entry(key).or_default().insert(index);
+            }
+        }
+        for index in concerned {
+            let three = match self.beside(&document.frames[index], index) {
+                [Some(before), Some(after)] => Some([before, index, after]),
+                _ => None,
+            };
+            let found = three.and_then(|three| compare(document, three));
+            if found != self.found[index] {
+                self.edition += 1;
+                self.changed.push(index);
+                self.found[index] = found;
+            }
+        }
+    }
+
+    /// The solved frames before and after a place in the shot of a frame; none of a frame that is not solved.
+    fn beside(&self, frame: &Frame, index: usize) -> [Option<usize>; 2] {
+        let Some(shot) = shot_if_solved(frame).and_then(|key| self.shots.get(&key)) else { return [None; 2] };
+        [shot.range(..index).next_back().copied(), shot.range(index + 1..).next().copied()]
+    }
+}
+
+/// Each place with the one before and the one after it.
+fn threes(places: impl Iterator<Item = usize> + Clone) -> impl Iterator<Item = [usize; 3]> {
+    let (after, last) = (places.clone().skip(1), places.clone().skip(2));
+    places.zip(after).zip(last).map(|((before, index), after)| [before, index, after])
+}
+
+fn shot_if_solved(frame: &Frame) -> Option<ShotKey> {
+    ptz_if_solved(frame).map(|_| (frame.camera.clone(), frame.clip.clone()))
+}
+
+fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
+    frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected).map(FramePtz::ptz)
+}
+
+/// How the middle one of three solved frames lies to the others; none where these are too far apart.
+fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
+    let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
+    if way(from, before, to, after)? > WITHIN {
+        return None;
+    }
+    let own = document.pointed(frame)?;
+    Some(disagreement(&own, ptz_if_solved(from)?, ptz_if_solved(to)?, frame.image_size))
+}
+
+/// How many frames lie between two: of the video where both come from one, of the document where they are of one shot. None where
+/// nothing says that they follow each other in time: stills.
+fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f64> {
+    match (&from.video, &to.video) {
+        (Some(from), Some(to)) if from.path == to.path => Some(to.frame_index as f64 - from.frame_index as f64),
+        _ => from.clip.is_some().then_some(to_index as f64 - from_index as f64),
+    }
+}
+
+fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> Disagreement {
+    let [from, to] = [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
+    let way = to - from;
+    // Between neighbours the corners move on lines that are nearly straight.
+    let apart = distance_from_segment(SVector::zeros(), [from, to]);
+    // Over four corners, at 1920 px width.
+    let scale = 0.5 / image_size.scale_from_1920();
+    Disagreement { apart_px: scale * apart, neighbours_px: scale * way.norm() }
+}
+
+/// Where another camera has the corners of a camera's picture, from these corners, px: x and y of each.
+fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> SVector<f64, 8> {
+    let offsets = image_size.corners().map(|corner| {
+        let seen = own.ray_from_image(corner).ok().and_then(|ray| other.image_from_ray(ray).ok());
+        seen.map_or(Vec2::new(BEHIND_PX, 0.0), |seen| seen.offset_from(corner))
+    });
+    SVector::from_iterator(offsets.iter().flat_map(|offset| [offset.x, offset.y]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::geometry::{ImagePoint, Vec3};
+    use touchline_documents::document::{Clip, FieldSpec};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// A shot whose frames look at these pans.
+    fn document(pans_deg: &[f64]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        for &pan_deg in pans_deg {
+            let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
+            frame.clip = Some(Clip::Number(1));
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, 2000.0), None));
+            frame.status = FrameStatus::Suggested;
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    #[test]
+    fn a_pan_agrees_however_fast_and_a_jump_stands_out() {
+        let mut document = document(&[0.0, 0.5, 1.5, 1.6, 2.0]);
+        let pan = disagreements(&document);
+        assert_eq!((pan[0], pan[4]), (None, None), "no neighbour on one side");
+        assert!(pan[1..4].iter().all(|found| found.unwrap().apart_px < 0.5), "{pan:?}");
+        // A degree of pan at 2000 px is 35 px in the middle of the picture, more at its corners.
+        assert!((52.0..66.0).contains(&pan[1].unwrap().neighbours_px), "{pan:?}");
+        if let Some(ptz) = &mut document.frames[2].ptz {
+            ptz.tilt_deg += 1.0;
+        }
+        let jump = disagreements(&document);
+        assert!((34.0..45.0).contains(&jump[2].unwrap().apart_px), "{jump:?}");
+        document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(170.0, -10.0, 2000.0), None));
+        assert!(disagreements(&document)[2].unwrap().apart_px > 10_000.0, "it looks the other way");
+    }
+
+    #[test]
+    fn what_is_known_is_what_would_be_found_anew() {
+        let mut document = document(&[0.0, 0.5, 1.5, 1.6, 2.0, 9.0, 2.5]);
+        let mut known = Disagreements::default();
+        let changes: [fn(&mut Document); 7] = [
+            |document| document.frames[4].ptz.as_mut().unwrap().focal_px += 1.0,
+            |document| document.frames[2].ptz.as_mut().unwrap().tilt_deg += 1.0,
+            |document| document.frames[3].ptz = None,
+            |document| {
+                document.cameras[0].set_base(&CameraBase::new(
+                    Vec3::new(0.0, -70.0, 9.0),
+                    BaseAngles::default().base_from_world(),
+                    ImagePoint::new(900.0, 500.0),
+                ));
+            },
+            |document| document.frames[1].clip = Some(Clip::Number(2)),
+            |document| document.frames[1].clip = Some(Clip::Number(1)),
+            |document| drop(document.frames.remove(4)),
+        ];
+        for change in changes {
+            change(&mut document);
+            let before = known.edition();
+            known.update(&document);
+            let found: Vec<_> = (0..document.frames.len()).map(|index| known.of_frame(index)).collect();
+            assert_eq!(found, disagreements(&document));
+            assert!(found.iter().any(Option::is_some) && known.edition() > before);
+            let edition = known.edition();
+            document.frames[0].comment = document.frames[0].comment.is_none().then(|| "rain".to_owned());
+            known.update(&document);
+            assert_eq!(known.edition(), edition, "a comment moves no camera");
+        }
+    }
+
+    #[test]
+    fn stills_have_no_neighbours_in_time() {
+        let mut document = document(&[0.0, 9.0, -4.0]);
+        assert!(disagreements(&document)[1].is_some());
+        document.frames.iter_mut().for_each(|frame| frame.clip = None);
+        assert_eq!(disagreements(&document), [None; 3]);
+    }
+
+    #[test]
+    fn only_solved_frames_of_the_shot_count() {
+        let mut document = document(&[0.0, 0.5, 9.0, 1.5]);
+        document.frames[2].ptz = None;
+        assert!(disagreements(&document)[1].unwrap().apart_px < 0.5);
+        document.frames[3].clip = Some(Clip::Number(2));
+        assert_eq!(disagreements(&document), [None; 4]);
+    }
+}

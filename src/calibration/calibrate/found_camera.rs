@@ -1,0 +1,46 @@
+//! A camera that was found without a click, on its way into a document that has been edited meanwhile.
+
+use super::{UnclickedCamera, UnclickedFrame, record_found};
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::ImageSize;
+use touchline_documents::document::{CameraId, Document, FrameId};
+
+/// A camera that was found without a click, and which camera of a document it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundCamera {
+    /// Which camera.
+    pub camera: CameraId,
+    /// What was found.
+    pub found: UnclickedCamera,
+    /// The frames that it was found from, in the order of `found.frames`: their places may change.
+    frames: Vec<FrameId>,
+}
+
+impl FoundCamera {
+    /// What was found in a document as it is now.
+    #[must_use]
+    pub fn of(document: &Document, camera: &CameraId, found: UnclickedCamera) -> Self {
+        let frames = found.frames.iter().map(|frame| document.frames[frame.index].id.clone()).collect();
+        Self { camera: camera.clone(), found, frames }
+    }
+
+    /// Where the frames that a document still has look, with their places in it and the sizes of their pictures.
+    pub fn looks<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = (usize, (Ptz, ImageSize))> + 'a {
+        self.frames.iter().zip(&self.found.frames).filter_map(|(id, of_found)| {
+            let index = document.frames.position_of(id)?;
+            Some((index, (of_found.ptz, document.frames[index].image_size)))
+        })
+    }
+
+    /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or decided stay as they are.
+    pub(super) fn write(&self, document: &mut Document) {
+        let here = |(id, of_found): (&FrameId, &UnclickedFrame)| {
+            let index = document.frames.position_of(id)?;
+            let is_open = document.frames[index].is_open() && document.frames[index].camera == self.camera;
+            is_open.then(|| UnclickedFrame { index, ..of_found.clone() })
+        };
+        let frames = self.frames.iter().zip(&self.found.frames).filter_map(here).collect();
+        let found = UnclickedCamera { frames, ..self.found.clone() };
+        record_found(document, &self.camera, &found);
+    }
+}

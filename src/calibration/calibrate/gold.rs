@@ -1,0 +1,93 @@
+//! Which references a blind round asks for again.
+
+use std::collections::BTreeSet;
+use touchline_core::field::LandmarkId;
+use touchline_core::geometry::Angle;
+use touchline_documents::document::{Document, Frame};
+
+/// How many gold frames are chosen: with three landmarks each, one round is enough to tell the noise.
+const CHOSEN: usize = 6;
+
+/// References to be gold, spread over pan and landmarks, by their places: each next one is the one that asks for most
+/// landmarks nobody asks for yet, and among those the one whose pan is farthest from the pans chosen. Frames that are gold
+/// already count as chosen; six in all.
+#[must_use]
+pub fn choose_gold(document: &Document) -> Vec<usize> {
+    let frames = || document.frames.iter().enumerate().map(|(index, frame)| (index, &**frame));
+    let gold = || frames().filter(|(_, frame)| frame.gold);
+    let pan = |frame: &Frame| frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan);
+    let mut pans: Vec<Angle> = gold().map(|(_, frame)| pan(frame)).collect();
+    let mut asked: BTreeSet<&LandmarkId> = gold().flat_map(|(_, frame)| frame.asked_again()).collect();
+    let mut open: Vec<(usize, &Frame)> =
+        frames().filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none()).collect();
+    let mut chosen = Vec::new();
+    while pans.len() < CHOSEN && !open.is_empty() {
+        let rank = |frame: &Frame| {
+            let news: BTreeSet<&LandmarkId> = frame.asked_again().filter(|id| !asked.contains(id)).collect();
+            let apart = pans.iter().map(|other| pan(frame).turn_from(*other).abs().radians());
+            (news.len(), apart.fold(f64::INFINITY, f64::min))
+        };
+        // The last of equals is the first frame.
+        let best = (0..open.len()).rev().max_by(|a, b| {
+            let (a, b) = (rank(open[*a].1), rank(open[*b].1));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let Some(best) = best else { break };
+        let (index, frame) = open.remove(best);
+        asked.extend(frame.asked_again());
+        pans.push(pan(frame));
+        chosen.push(index);
+    }
+    chosen.sort_unstable();
+    chosen
+}
+
+/// Whether [`choose_gold`] chooses any, given how many frames are gold and how many others could be: see [`Frame::why_not_gold`].
+#[must_use]
+pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
+    gold < CHOSEN && others > 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::document::fixtures::reference;
+    use touchline_documents::document::{FieldSpec, FrameStatus};
+
+    #[test]
+    fn chosen_frames_spread_over_landmarks_and_pan() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut draft = reference(90.0, &["halfway_far"]);
+        draft.status = FrameStatus::Draft;
+        let frames = [
+            reference(0.0, &["centre_mark"]),
+            reference(0.1, &["centre_mark", "halfway_far"]),
+            reference(25.0, &["centre_mark"]),
+            reference(-30.0, &["penalty_mark_left"]),
+            reference(1.0, &[]),
+            draft,
+        ];
+        document.frames.extend(frames.into_iter().map(Into::into));
+        assert_eq!(choose_gold(&document), [0, 1, 2, 3]);
+        for index in 0..20 {
+            document.frames.push(reference(-29.0 + 0.1 * f64::from(index), &["penalty_mark_left"]).into());
+        }
+        let chosen = choose_gold(&document);
+        assert_eq!(chosen.len(), CHOSEN);
+        assert!(chosen.contains(&1) && chosen.contains(&2), "{chosen:?}");
+        document.frames[2].gold = true;
+        document.frames[3].gold = true;
+        assert!(!choose_gold(&document).contains(&2));
+        assert_eq!(choose_gold(&document).len(), CHOSEN - 2);
+        let can_choose = |document: &Document| {
+            let could = |frame: &Frame| !frame.gold && frame.why_not_gold().is_none();
+            let count = |wanted: fn(&Frame) -> bool| document.frames.iter().filter(|frame| wanted(frame)).count();
+            can_choose_gold(count(|frame| frame.gold), count(could))
+        };
+        for index in choose_gold(&document) {
+            assert!(can_choose(&document));
+            document.frames[index].gold = true;
+        }
+        assert!(!can_choose(&document) && choose_gold(&document).is_empty());
+    }
+}

@@ -1,0 +1,78 @@
+//! From a document to a solved document: frames, bases, the field's size, names, which camera, click noise, and what is wrong with it.
+
+mod after_merge;
+mod base_change;
+mod base_estimation;
+mod base_on_paint;
+mod base_readiness;
+mod better_camera;
+mod bulk;
+mod calibration;
+mod check;
+mod clip;
+mod disagreement;
+mod field_size;
+mod follow_base;
+mod found_camera;
+mod frame_lookup;
+mod from_proposal;
+mod gold;
+mod length_on_lines;
+mod on_paint;
+mod own_covariance;
+mod own_noise;
+mod paint;
+mod refit;
+mod size_fit;
+mod solve_all;
+mod solve_frames;
+mod still_runs;
+mod unclicked;
+mod unseen_length;
+mod which_camera;
+
+pub use after_merge::{SolvedAfterMerge, solve_after_merge};
+pub use base_change::{CameraChange, camera_change};
+pub use base_estimation::{
+    BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
+};
+pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, FRAMES_FOR_PAINT, PictureOf, PulledFrames, estimate_on_paint};
+pub use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
+pub use better_camera::{BetterCamera, better_camera};
+pub use bulk::{
+    AssignedFrames, BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved, Joined, NewCamera, WatchBulk,
+};
+pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
+pub use check::{
+    Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values,
+};
+pub(crate) use clip::record_tracked_frame;
+pub use clip::{
+    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
+    TrackedClip, TrackedFrame, WatchClip, clips, is_anchor, record_tracked, track_clip,
+};
+pub use disagreement::{Disagreement, Disagreements, disagreements};
+pub use follow_base::follow_all_bases;
+pub use found_camera::FoundCamera;
+pub use frame_lookup::FrameLookup;
+pub use gold::{can_choose_gold, choose_gold};
+pub(crate) use length_on_lines::LENGTH_UNSEEN;
+pub use length_on_lines::{LengthOnLines, length_on_lines, take_length};
+pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};
+pub(crate) use own_covariance::{covariance_on_paint, own_covariance};
+pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
+pub(crate) use paint::paint_evidence;
+pub use paint::{
+    FindFrameError, LINE_CHECK, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame,
+    record_found_by_paint, record_line_check, record_on_paint, record_snapped, snap_clicks, snap_frame,
+};
+pub use size_fit::describe_size;
+pub use solve_all::{SolveOutcome, solve_document};
+pub use solve_frames::{is_by_clicks, record_outcome};
+use still_runs::still_runs;
+pub use unclicked::{
+    Abstention, DecidingLandmark, Doubt, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError,
+    UnclickedEvidence, UnclickedFrame, UnclickedProgress, WatchUnclicked, camera_from_few_clicks,
+    camera_without_clicks, record_found,
+};
+pub use which_camera::{AssignError, add_camera_like, assign_to_camera};

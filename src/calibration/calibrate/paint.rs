@@ -1,0 +1,251 @@
+//! The painted lines of a frame's picture: its camera pulled onto them, or judged by them.
+
+use super::observations;
+use thiserror::Error;
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::markings::LineVerdict;
+use touchline_core::solve::ObservationError;
+use touchline_documents::document::{
+    Document, Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target,
+};
+use touchline_vision::media::Picture;
+use touchline_vision::paint::{
+    FindError, FindOptions, Found, GroundPicture, LineCheck, PointSnapOptions, SnapError, SnapOptions, Snapped,
+    SnappedPoint, WatchFind, check_lines, find_camera, snap, snap_point,
+};
+
+/// The code of a warning that the paint speaks against a camera.
+pub const LINE_CHECK: &str = "line_check";
+
+/// The code of a warning that a camera was not pulled onto the paint.
+pub const NOT_SNAPPED: &str = "not_snapped";
+
+/// The code of a warning that no camera was found by the paint alone.
+pub const NOT_FOUND: &str = "not_found_by_paint";
+
+/// Why a frame is not snapped.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SnapFrameError {
+    /// There is no camera to begin with.
+    #[error("it has no camera yet, or its camera has no base: solve it first")]
+    Unsolved,
+    /// Its own k₁ is asked for, but its camera has a lens.
+    #[error(
+        "its camera has lens distortion, which all its frames share: refine-base --markings estimates it from all of them"
+    )]
+    HasLens,
+    /// A click names something that the field lacks.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// The paint does not decide.
+    #[error(transparent)]
+    Paint(#[from] SnapError),
+}
+
+/// What the paint of its picture says about a solved frame's camera; none without a camera.
+#[must_use]
+pub fn check_frame(document: &Document, frame: &Frame, field: &FieldModel, picture: &Picture) -> Option<LineCheck> {
+    let camera = document.pointed(frame)?;
+    Some(check_lines(&GroundPicture::new(picture, &document.masks_of(frame)), field, &camera))
+}
+
+/// A solved frame's camera pulled onto the paint of its picture, tied to its clicks.
+///
+/// # Errors
+/// The frame is not solved, a click names something that the field lacks, or the paint does not decide.
+pub fn snap_frame(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+    options: &SnapOptions,
+) -> Result<(CameraBase, Snapped), SnapFrameError> {
+    let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
+    if options.own_k1 && document.camera_of(frame).is_some_and(|camera| camera.curve().is_some()) {
+        return Err(SnapFrameError::HasLens);
+    }
+    let clicks = observations(frame, field)?;
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
+    let snapped = snap(&ground, field, camera.base(), camera.ptz(), &clicks, options)?;
+    let distortion = snapped.own_lens.unwrap_or(camera.base().distortion);
+    Ok((CameraBase { distortion, ..*camera.base() }, snapped))
+}
+
+/// Why no camera is found for a frame by its paint alone.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FindFrameError {
+    /// Where the camera stands is not known.
+    #[error("its camera has no base yet: refine the base first")]
+    NoBase,
+    /// A click names something that the field lacks.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// The paint does not decide.
+    #[error(transparent)]
+    Paint(#[from] FindError),
+}
+
+/// A camera for a frame that has none, by the paint of its picture and the clicks that it has; `watch` is told of the progress
+/// and may end it.
+///
+/// # Errors
+/// The frame's camera has no base, a click names something that the field lacks, or the paint does not decide.
+pub fn find_frame(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+    options: &FindOptions,
+    watch: WatchFind<'_>,
+) -> Result<(CameraBase, Found), FindFrameError> {
+    let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame)).ok_or(FindFrameError::NoBase)?;
+    let clicks = observations(frame, field)?;
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
+    Ok((base, find_camera(&ground, field, &base, &clicks, options, watch)?))
+}
+
+/// Why a frame's camera is not put onto the paint.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum OnPaintError {
+    /// Its camera is not pulled onto it.
+    #[error(transparent)]
+    Snap(#[from] SnapFrameError),
+    /// It has none, and none is found.
+    #[error(transparent)]
+    Find(#[from] FindFrameError),
+}
+
+/// A frame's camera on the paint of its picture: the camera that it has is pulled onto it ([`snap_frame`]), or, `from_nothing`, one
+/// is searched for ([`find_frame`]).
+///
+/// # Errors
+/// Those of the one or the other.
+pub fn camera_on_paint(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+    (options, from_nothing): (&FindOptions, bool),
+    watch: WatchFind<'_>,
+) -> Result<(CameraBase, Snapped), OnPaintError> {
+    if from_nothing {
+        let (base, found) = find_frame(document, frame, field, picture, options, watch)?;
+        Ok((base, found.snapped))
+    } else {
+        Ok(snap_frame(document, frame, field, picture, &options.snap)?)
+    }
+}
+
+/// Writes into a frame what came of [`camera_on_paint`]: the camera, or why there is none.
+pub fn record_on_paint(frame: &mut Frame, found: &Result<(CameraBase, Snapped), OnPaintError>, from_nothing: bool) {
+    match found {
+        Ok((base, found)) if from_nothing => record_found_by_paint(frame, base, found),
+        Ok((base, snapped)) => record_snapped(frame, base, snapped),
+        Err(OnPaintError::Snap(reason)) => record_refusal(frame, reason),
+        Err(OnPaintError::Find(reason)) => record_not_found_by_paint(frame, reason),
+    }
+}
+
+/// Writes a found camera into its frame, which becomes a suggestion if nobody has looked at it.
+pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapped) {
+    record_snapped(frame, base, found);
+    if frame.status == FrameStatus::New {
+        frame.status = FrameStatus::Suggested;
+    }
+}
+
+/// Those of some clicks of a frame, by their places in it, whose landmark is certainly painted near by, and where. `camera` need
+/// not be exact.
+#[must_use]
+pub fn snap_clicks(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    picture: &Picture,
+    clicks: &[usize],
+) -> Vec<(usize, SnappedPoint)> {
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
+    let snapped = |index: &usize| {
+        let click = frame.clicks.get(*index)?;
+        let Some(Target::Landmark(id)) = &click.target else { return None };
+        let landmark = field.landmark(id.as_str())?;
+        let options = PointSnapOptions::default();
+        Some((*index, snap_point(&ground, field, camera, landmark, click.image, &options)?))
+    };
+    clicks.iter().filter_map(snapped).collect()
+}
+
+/// What a check of the lines says, as a document keeps it.
+pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
+    PaintEvidence {
+        score: check.score,
+        predicted: check.predicted,
+        found: check.found,
+        bare: check.bare,
+        offset_px: Some(check.offset_px).filter(|offset| offset.is_finite()),
+        bias_px: Some(check.bias_px).filter(|bias| bias.is_finite()),
+        halves_px: Some(check.halves_px).filter(|halves| halves.is_finite()),
+        unexplained: check.unexplained,
+        ..PaintEvidence::default()
+    }
+}
+
+/// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status stays.
+pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
+    let camera = PtzCamera::new(*base, snapped.ptz);
+    frame.point(snapped.ptz, camera.lens());
+    let mut solution = frame.solution.take().unwrap_or_default();
+    drop_paint_warnings(&mut solution);
+    frame.solution = Some(Solution {
+        covariance: Some(snapped.uncertainty.ptz_covariance_deg()),
+        own_covariance: Some(snapped.uncertainty.own_covariance_deg()),
+        rms_px: Some(snapped.rms_px),
+        worst_corner_sigma_px: Some(snapped.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
+        source: Some(SolutionSource::Markings),
+        confidence: Some(snapped.check.score),
+        samples: Some(snapped.samples),
+        line_check: Some(paint_evidence(&snapped.check)),
+        ..solution
+    });
+}
+
+/// Writes into a frame why its camera was not pulled onto the paint; the camera stays.
+fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
+    warn_once(frame, NOT_SNAPPED, format!("not snapped to the painted lines: {reason}"));
+}
+
+/// Writes into a frame why no camera was found for it.
+fn record_not_found_by_paint(frame: &mut Frame, reason: &FindFrameError) {
+    warn_once(frame, NOT_FOUND, format!("not found by the painted lines: {reason}"));
+}
+
+fn warn_once(frame: &mut Frame, code: &str, message: String) {
+    let solution = frame.solution.get_or_insert_default();
+    solution.warnings.retain(|warning| warning.code != code);
+    solution.warnings.push(SolutionWarning::new(code, message));
+}
+
+/// Writes into a frame what the paint says about its camera, with a warning where the paint speaks against it.
+pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
+    let solution = frame.solution.get_or_insert_default();
+    solution.line_check = Some(paint_evidence(check));
+    solution.warnings.retain(|warning| warning.code != LINE_CHECK);
+    if check.verdict() == LineVerdict::Contradicts {
+        solution.warnings.push(SolutionWarning::new(LINE_CHECK, against(check)));
+    }
+}
+
+/// What a person reads where the paint speaks against a camera.
+fn against(check: &LineCheck) -> String {
+    format!(
+        "the painted lines are not where this camera projects them: paint at {} of {} open places",
+        check.found,
+        check.found + check.bare
+    )
+}
+
+fn drop_paint_warnings(solution: &mut Solution) {
+    solution.warnings.retain(|warning| ![NOT_SNAPPED, NOT_FOUND, LINE_CHECK].contains(&warning.code.as_str()));
+}

@@ -1,0 +1,133 @@
+//! A frame without clicks of its own whose camera has moved: what a person accepted are the lines on the picture, so these
+//! stay where they were as well as the new base allows.
+
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_frame};
+use touchline_documents::document::{Camera, Document, Frame, SolutionWarning};
+
+/// Points of the picture by which the lines are held, in each direction.
+const GRID: [u32; 2] = [7, 5];
+/// Points of the ground farther from the field's centre hold nothing, m.
+const REACH_M: f64 = 90.0;
+/// Fewer points than this tell no direction.
+const FEWEST: usize = 4;
+/// How well the lines are known, px at 1920 px width.
+const SIGMA_PX: f64 = 2.0;
+/// Lines that end up farther off than this are worth a word, px at 1920 px width.
+const TOLERATED_PX: f64 = 5.0;
+
+/// Turns a frame to where its lines were before its camera moved; `before` is the document until then. A frame that was
+/// not solved, or shows too little ground, stays as it is.
+pub fn refit(document: &mut Document, index: usize, before: &Document) {
+    let Some(known) = before.frames.get(index).and_then(|frame| before.pointed(frame)) else { return };
+    let Some(frame) = document.frames.get(index) else { return };
+    let Some(base) = document.camera_of(frame).and_then(Camera::base) else { return };
+    let Some((ptz, off_px)) = refitted(&known, &base, frame.image_size) else { return };
+    let Some(frame) = document.frames.get_mut(index) else { return };
+    frame.point(ptz, base.distortion.radial_at(ptz.focal_px));
+    tell(frame, off_px);
+}
+
+/// Says how far the lines moved all the same.
+fn tell(frame: &mut Frame, off_px: f64) {
+    const CODE: &str = "base_moved";
+    let Some(solution) = &mut frame.solution else { return };
+    solution.warnings.retain(|warning| warning.code != CODE);
+    if off_px > TOLERATED_PX * frame.image_size.scale_from_1920() {
+        let message = format!(
+            "The base changed after this frame was accepted: its lines moved by up to {off_px:.0} px. Check it again."
+        );
+        solution.warnings.push(SolutionWarning::new(CODE, message));
+    }
+}
+
+/// The camera on a new base that keeps the ground where it was in the picture, and how far it is off at most, px.
+fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Option<(Ptz, f64)> {
+    let observations: Vec<Observation> = grid(image_size)
+        .filter_map(|image| Some((image, before.plane_from_image(image, 0.0)?)))
+        .filter(|(_, ground)| ground.norm() <= REACH_M)
+        .enumerate()
+        .map(|(click, (image, ground))| {
+            Observation::of_point(ground, image, SIGMA_PX * image_size.scale_from_1920(), click)
+        })
+        .collect();
+    if observations.len() < FEWEST {
+        return None;
+    }
+    let context = SolveContext { start: Some(before.ptz()), ..SolveContext::new(image_size) };
+    let solved = solve_frame(base, &observations, &context).ok()?;
+    let off_px = solved.residuals.iter().filter_map(ClickResidual::distance_px).fold(0.0, f64::max);
+    Some((solved.ptz, off_px))
+}
+
+/// Points spread over a picture, its border left out.
+fn grid(image_size: ImageSize) -> impl Iterator<Item = ImagePoint> {
+    let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
+    (0..GRID[1]).flat_map(move |row| {
+        (0..GRID[0]).map(move |column| {
+            let x = f64::from(image_size.width) * share(column, GRID[0]);
+            ImagePoint::new(x, f64::from(image_size.height) * share(row, GRID[1]))
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::geometry::Vec3;
+    use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn base(height_m: f64) -> CameraBase {
+        CameraBase::new(Vec3::new(0.0, -62.0, height_m), BaseAngles::default().base_from_world(), SIZE.centre())
+    }
+
+    fn accepted() -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base(17.0));
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
+        frame.solution = Some(Solution::default());
+        document.frames.push(frame.into());
+        document
+    }
+
+    #[test]
+    fn lines_stay_on_the_picture_when_the_base_moves_a_little() {
+        let before = accepted();
+        let mut after = before.clone();
+        after.cameras[0].set_base(&base(17.2));
+        let ground = Vec3::new(5.0, 3.0, 0.0);
+        let at = |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
+        assert!(at(&before).distance_px(at(&after)) > 5.0, "without a word the lines would have moved");
+        refit(&mut after, 0, &before);
+        assert!(at(&before).distance_px(at(&after)) < 1.5, "{:?} {:?}", at(&before), at(&after));
+        assert!(after.frames[0].solution.as_ref().unwrap().warnings.is_empty());
+    }
+
+    #[test]
+    fn a_base_that_cannot_keep_the_lines_is_told() {
+        let before = accepted();
+        let mut after = before.clone();
+        after.cameras[0].set_base(&base(25.0));
+        refit(&mut after, 0, &before);
+        let warnings = &after.frames[0].solution.as_ref().unwrap().warnings;
+        assert_eq!(warnings[0].code, "base_moved");
+        assert!(warnings[0].message.starts_with("The base changed after this frame was accepted"), "{warnings:?}");
+    }
+
+    #[test]
+    fn a_picture_of_the_sky_stays_as_it_is() {
+        let mut before = accepted();
+        before.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, 30.0, 2300.0), None));
+        let mut after = before.clone();
+        after.cameras[0].set_base(&base(18.0));
+        refit(&mut after, 0, &before);
+        assert_eq!(after.frames, before.frames);
+    }
+}

@@ -1,0 +1,132 @@
+//! The size of a document's field from the clicks of a camera.
+
+use super::field_size::set_field_size;
+use super::{BaseEstimationError, BaseProblem, EstimatedBase};
+use std::collections::BTreeMap;
+use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::field::{FieldModel, Template};
+use touchline_core::solve::base::{
+    AdjustOptions, BaseModel, BaseOptions, FittedSize, FrameClicks, SizeParam, SizeStart, WatchBase, fit_field_size,
+};
+use touchline_documents::document::DocumentAt;
+
+/// The parameters that are a field's size.
+const SIZE: [&str; 2] = ["length_m", "width_m"];
+
+/// 1-σ of a venue's size as a share of what the rules allow: 2.5 m of a soccer pitch's length, 3.75 m of its width.
+const SIGMA_SHARE: f64 = 1.0 / 12.0;
+
+impl BaseProblem {
+    /// Estimates the base together with the field's size: first the base on the field as assumed, then the size, then the base
+    /// again. `document` is the one that the clicks were gathered from.
+    ///
+    /// # Errors
+    /// The clicks give no base, or it was ended.
+    pub fn estimate_with_size(
+        &self,
+        document: DocumentAt<'_>,
+        options: &BaseOptions,
+        watch: WatchBase<'_>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let found = self.estimate_watched(&document, options, watch)?;
+        let ptz: Vec<_> = found.estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
+        let model = &found.estimate.model;
+        let sizes = self.fit_size(document, &self.clicks, (&found.estimate.base, &ptz), model)?;
+        let mut sized = document.document.clone();
+        set_field_size(&mut sized, &self.camera, &sizes);
+        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
+        Ok(EstimatedBase { sizes, ..found })
+    }
+
+    /// Length and width of the field, from what is seen in the frames, and a base and cameras that are near; empty where the
+    /// template leaves no choice, or what is seen leaves it open.
+    pub(super) fn fit_size(
+        &self,
+        document: DocumentAt<'_>,
+        frames: &[FrameClicks],
+        (base, ptz): (&CameraBase, &[Option<Ptz>]),
+        model: &BaseModel,
+    ) -> Result<Vec<FittedSize>, BaseEstimationError> {
+        let Some(camera) = document.camera(&self.camera) else { return Ok(Vec::new()) };
+        let spec = camera.field.as_ref().unwrap_or(&document.field);
+        let open = OpenSize::new(spec.template(document.folder)?, &self.field);
+        let start = SizeStart {
+            field: &self.field,
+            frames,
+            base,
+            ptz,
+            model,
+            image_width_px: camera.image_size.width,
+            options: &AdjustOptions::default(),
+        };
+        Ok(fit_field_size(&|values| open.sized(values), &open.params, &start).unwrap_or_default())
+    }
+}
+
+/// The lengths of a field that its rules leave open, and the field at other values of them.
+pub(super) struct OpenSize {
+    template: Template,
+    params_m: BTreeMap<String, f64>,
+    crown_m: f64,
+    /// The lengths, as assumed; none where the rules leave no choice.
+    pub params: Vec<SizeParam>,
+}
+
+impl OpenSize {
+    /// Of a field that was filled in from its template.
+    pub fn new(template: Template, field: &FieldModel) -> Self {
+        let open = template.params.iter().filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max);
+        let params = open.map(|param| SizeParam {
+            name: param.name.clone(),
+            assumed_m: field.params.get(&param.name).copied().unwrap_or(param.default),
+            sigma_m: (param.max - param.min) * SIGMA_SHARE,
+            min_m: param.min,
+            max_m: param.max,
+        });
+        let params = params.collect();
+        Self { template, params_m: field.params.clone(), crown_m: field.crown_m, params }
+    }
+
+    /// The lengths of a field of this template, with those of `field` as what is assumed.
+    pub fn params_of(&self, field: &FieldModel) -> Vec<SizeParam> {
+        let of = |param: &SizeParam| {
+            let assumed_m = field.params.get(&param.name).copied().unwrap_or(param.assumed_m);
+            SizeParam { assumed_m, ..param.clone() }
+        };
+        self.params.iter().map(of).collect()
+    }
+
+    /// The field at values of the lengths, in their order, within what the rules allow; none where the template has none of
+    /// that size.
+    pub fn sized(&self, values_m: &[f64]) -> Option<FieldModel> {
+        let lengths = self.params.iter().zip(values_m);
+        let allowed = lengths.map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m)));
+        let mut filled = self.params_m.clone();
+        filled.extend(allowed);
+        self.template.model(&filled, self.crown_m).ok()
+    }
+}
+
+/// A position that goes with an unseen length by less is not worth a word, m.
+const WORTH_SAYING_M: f64 = 0.2;
+
+/// A fitted size in words: "length 103.40 ± 0.08 m (105 m assumed)".
+#[must_use]
+pub fn describe_size(size: &FittedSize) -> String {
+    let what = size.name.trim_end_matches("_m");
+    if size.is_open {
+        let (assumed_m, sigma_m) = (size.assumed_m, size.sigma_m);
+        return format!(
+            "{what} {assumed_m} m is assumed: the frames do not show it (± {sigma_m:.1} m). What they show lies right; state the field's {what} if it is another"
+        );
+    }
+    let text = format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m);
+    let along_m = size.position_sigma_m;
+    if along_m.norm() <= WORTH_SAYING_M {
+        return text;
+    }
+    let (x, y, z) = (along_m.x, along_m.y, along_m.z);
+    format!(
+        "{text}; where the field's middle lies, and so the camera's position, goes with it by ({x:.1}, {y:.1}, {z:.1}) m"
+    )
+}

@@ -1,0 +1,206 @@
+//! Many frames of a document solved at once.
+
+use super::better_camera::warn_of_better_camera;
+use super::{CalibrationError, FrameLookup, calibrate};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::solve::{FrameSolution, SolveError};
+use touchline_documents::document::{Document, Fields, Frame};
+
+/// What a frame's clicks gave.
+type Solved = Result<Box<FrameSolution>, CalibrationError>;
+
+/// The fields that frames to be solved show.
+#[derive(Clone, Copy)]
+pub(super) enum ShownFields<'a> {
+    /// All of the document's: a frame that another camera fits better is warned of it.
+    Document(&'a Fields),
+    /// The one of a single camera, whose frames these are.
+    Camera(&'a FieldModel),
+}
+
+/// So many frames are solved before what they gave is written down.
+const AT_ONCE: usize = 4096;
+
+/// Called once for each frame that is solved, from any thread; a break ends it with that error.
+pub(super) type WatchFrames<'a, E> = &'a (dyn Fn() -> ControlFlow<E> + Sync);
+
+/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave. Says of each whether
+/// they gave a camera. The result does not depend on the number of threads. Where `watch` ends it no frame has changed.
+///
+/// Every frame is solved beside the others as they were before. A frame whose clicks fit two cameras alike is solved once
+/// more beside the others as they are then.
+pub(super) fn solve_frames<E: Send>(
+    document: &mut Document,
+    places: &[usize],
+    fields: ShownFields<'_>,
+    settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
+    watch: WatchFrames<'_, E>,
+) -> Result<Vec<Result<(), CalibrationError>>, E> {
+    let mut lookup = FrameLookup::of(document);
+    let of_cameras = match fields {
+        ShownFields::Document(fields) => fields.of_cameras(document),
+        ShownFields::Camera(_) => Vec::new(),
+    };
+    let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
+        solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
+    };
+    // All are solved beside what was given, and some at a time, so that the solutions of a long video are not all held at once.
+    let given = document.clone();
+    let solve_first = |&index: &usize| {
+        let solved = solve(&given, &lookup, index);
+        match watch() {
+            ControlFlow::Continue(()) => Ok(solved),
+            ControlFlow::Break(error) => Err(error),
+        }
+    };
+    let (mut settled, mut again) = (Vec::with_capacity(places.len()), Vec::new());
+    for some in places.chunks(AT_ONCE) {
+        let first = match some.par_iter().map(solve_first).collect::<Result<Vec<Solved>, E>>() {
+            Ok(first) => first,
+            Err(error) => {
+                *document = given;
+                return Err(error);
+            }
+        };
+        for (&index, solved) in some.iter().zip(first) {
+            settle(&mut document.frames[index], solved.as_deref());
+            let is_undecided = solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
+            again.extend(is_undecided.then_some(index));
+            settled.push(solved.map(drop));
+        }
+    }
+    drop(given);
+    if !again.is_empty() {
+        lookup.update(document);
+    }
+    let second: Vec<Solved> = again.par_iter().map(|&index| solve(document, &lookup, index)).collect();
+    for (index, solved) in again.into_iter().zip(second) {
+        if let Ok(solved) = solved {
+            settle(&mut document.frames[index], Ok(&solved));
+        }
+    }
+    Ok(settled)
+}
+
+fn solve_one(
+    document: &Document,
+    lookup: &FrameLookup,
+    index: usize,
+    fields: ShownFields<'_>,
+    of_cameras: &[Arc<FieldModel>],
+) -> Result<FrameSolution, CalibrationError> {
+    let frame = &document.frames[index];
+    let field = match fields {
+        ShownFields::Document(fields) => fields.of_frame(document, frame),
+        ShownFields::Camera(field) => field,
+    };
+    let mut solved = calibrate(document, lookup, frame, field, index)?;
+    warn_of_better_camera(document, frame, &mut solved, of_cameras);
+    Ok(solved)
+}
+
+/// Solves those of some frames again whose camera comes from their clicks, or would have if there had been a base: a camera or a
+/// field has changed. `folder` is the document's.
+///
+/// # Errors
+/// A field of the document is not valid, or `watch` ended it; nothing is solved then.
+pub(super) fn solve_by_clicks<E: Send + From<FieldError>>(
+    document: &mut Document,
+    folder: &Path,
+    places: &[usize],
+    watch: WatchFrames<'_, E>,
+) -> Result<(), E> {
+    let fields = Fields::of(document.at(folder))?;
+    let places = places.iter().copied().filter(|&index| is_by_clicks(&document.frames[index]));
+    let places: Vec<usize> = places.collect();
+    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, watch)?;
+    Ok(())
+}
+
+/// Whether a frame has clicks and its camera comes from them, or would have if there had been a base.
+#[must_use]
+pub fn is_by_clicks(frame: &Frame) -> bool {
+    !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none())
+}
+
+/// Writes what a frame's clicks gave into the frame. Where they give no camera an earlier proposal stays, but an earlier solve
+/// goes; a camera without a base changes nothing.
+pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
+    match solved {
+        Ok(solved) => frame.record(solved),
+        Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
+        Err(error) => {
+            let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
+            if too_few && frame.restore_proposed() {
+                return;
+            }
+            if frame.is_solved_by_clicks() || !too_few {
+                frame.ptz = None;
+                frame.solution = None;
+            }
+        }
+    }
+}
+
+/// Writes a camera into the frame where its clicks gave one; else the frame stays as it was.
+pub(super) fn record_if_solved(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
+    if let Ok(solved) = solved {
+        frame.record(solved);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Camera, Click, FieldSpec};
+
+    /// So many frames, each with four exact points.
+    fn clicked(frames: usize) -> (Document, FieldModel) {
+        let (size, field) = (ImageSize::new(1280, 720), builtin("soccer").unwrap().default_model().unwrap());
+        let upright = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
+        let pointed = PtzCamera::new(base, Ptz::from_degrees(-30.0, -12.0, 1500.0));
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        let seen = field.landmarks.iter().filter_map(|landmark| {
+            let image = pointed.image_from_world(field.landmark_in_world(landmark)).ok()?;
+            size.contains(image).then(|| Click::landmark(landmark.id.clone(), image))
+        });
+        let clicks: Vec<Click> = seen.take(4).collect();
+        for index in 0..frames {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            frame.clicks.clone_from(&clicks);
+            document.frames.push(frame.into());
+        }
+        (document, field)
+    }
+
+    #[test]
+    fn frames_are_solved_some_at_a_time_and_all_or_none_of_them() {
+        let (given, field) = clicked(AT_ONCE + 20);
+        let places: Vec<usize> = (0..given.frames.len()).collect();
+        let (solved, mut document) = (AtomicUsize::new(0), given.clone());
+        let ended = || match solved.fetch_add(1, Ordering::Relaxed) {
+            AT_ONCE.. => ControlFlow::Break("ended"),
+            _ => ControlFlow::Continue(()),
+        };
+        let result = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &ended);
+        assert_eq!(result, Err("ended"));
+        assert_eq!(document, given, "what was written before it was ended is taken back");
+        let goes_on = || ControlFlow::<()>::Continue(());
+        let results = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &goes_on);
+        assert_eq!(results.unwrap().iter().filter(|result| result.is_ok()).count(), AT_ONCE + 20);
+        let focal_px = document.frames.iter().map(|frame| frame.ptz.as_ref().unwrap().ptz().focal_px);
+        assert!(focal_px.into_iter().all(|focal_px| (focal_px - 1500.0).abs() < 1e-3));
+    }
+}

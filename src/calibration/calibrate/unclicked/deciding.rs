@@ -1,0 +1,38 @@
+//! The landmark whose click decides between two answers.
+
+use super::{DecidingLandmark, UnclickedCamera, UnclickedFrame};
+use touchline_core::camera::PtzCamera;
+use touchline_documents::document::Document;
+
+/// Nearer to each other than this a click does not tell two places apart, px at 1920 px width.
+const MIN_APART_PX: f64 = 40.0;
+
+/// The landmark of the ground that two answers see farthest apart within one picture.
+pub(super) fn deciding_landmark(
+    document: &Document,
+    best: &UnclickedCamera,
+    other: &UnclickedCamera,
+) -> Option<DecidingLandmark> {
+    let mut farthest: Option<(f64, DecidingLandmark)> = None;
+    for one in &best.frames {
+        let Some(two) = other.frames.iter().find(|two| two.index == one.index) else { continue };
+        let size = document.frames[one.index].image_size;
+        let cameras = [(best, one), (other, two)]
+            .map(|(found, frame): (&UnclickedCamera, &UnclickedFrame)| PtzCamera::new(found.base, frame.ptz));
+        for landmark in best.field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+            let seen = |which: usize| {
+                let field = &[best, other][which].field;
+                let landmark = field.landmark(landmark.id.as_str())?;
+                let at = cameras[which].image_from_world(field.landmark_in_world(landmark)).ok()?;
+                size.contains(at).then_some(at)
+            };
+            let (Some(here), Some(there)) = (seen(0), seen(1)) else { continue };
+            let apart_px = here.distance_px(there) / size.scale_from_1920();
+            if apart_px >= MIN_APART_PX && farthest.as_ref().is_none_or(|(most, _)| apart_px > *most) {
+                let landmark = landmark.id.clone();
+                farthest = Some((apart_px, DecidingLandmark { frame: one.index, landmark, image: [here, there] }));
+            }
+        }
+    }
+    farthest.map(|(_, landmark)| landmark)
+}

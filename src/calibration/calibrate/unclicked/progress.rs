@@ -1,0 +1,121 @@
+//! How far a search without clicks has come, in steps that a person understands.
+
+use super::UnclickedError;
+use std::fmt;
+use std::ops::ControlFlow;
+use touchline_core::geometry::thousands;
+
+/// How far the search has come. It displays itself: "tying 212 of 480 pairs".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnclickedProgress {
+    /// Frames are looked at.
+    Looking {
+        /// Frames done.
+        done: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// Frames are tied to each other.
+    Tying {
+        /// Pairs done.
+        done: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// Paint that stays is gathered.
+    Gathering,
+    /// Places for the camera are tried.
+    Trying {
+        /// Places of one round.
+        places: usize,
+        /// Rounds done, one for each scale of the focal lengths.
+        done: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// The best places are adjusted with all frames.
+    Adjusting {
+        /// Places done.
+        done: usize,
+        /// Of how many at most.
+        of: usize,
+    },
+    /// Neighbouring sizes of the field are tried.
+    Sizing {
+        /// Places done.
+        done: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// Frames are pulled onto the paint of their own pictures.
+    Snapping {
+        /// Frames done.
+        done: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// The base is adjusted once more, to what the frames' own pictures show.
+    Refining,
+}
+
+/// Told how far a search has come; may end it.
+pub type WatchUnclicked<'a> = &'a (dyn Fn(UnclickedProgress) -> ControlFlow<()> + Sync);
+
+/// Reports progress.
+///
+/// # Errors
+/// [`UnclickedError::Stopped`] if the receiver ends the search.
+pub(super) fn report(watch: WatchUnclicked<'_>, progress: UnclickedProgress) -> Result<(), UnclickedError> {
+    if watch(progress).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) }
+}
+
+impl UnclickedProgress {
+    /// How much of the present step is done, 0 to 1.
+    #[must_use]
+    pub fn share_of_step(&self) -> f64 {
+        match *self {
+            Self::Looking { done, of }
+            | Self::Tying { done, of }
+            | Self::Trying { done, of, .. }
+            | Self::Adjusting { done, of }
+            | Self::Sizing { done, of }
+            | Self::Snapping { done, of } => done as f64 / of.max(1) as f64,
+            Self::Gathering | Self::Refining => 0.0,
+        }
+    }
+}
+
+impl fmt::Display for UnclickedProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |number: usize| thousands(number);
+        match *self {
+            Self::Looking { done, of } => write!(f, "looking at frame {} of {}", count(done), count(of)),
+            Self::Tying { done, of } => write!(f, "matching pairs of frames, {} of {}", count(done), count(of)),
+            Self::Gathering => f.write_str("collecting the painted lines"),
+            Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
+            Self::Trying { places, done, of } => {
+                write!(f, "trying {} positions, round {} of {of}", count(places), (done + 1).min(of))
+            }
+            Self::Adjusting { done, of } => write!(f, "adjusting, {} of {} positions", count(done), count(of)),
+            Self::Sizing { done, of } => {
+                write!(f, "trying other field sizes, {} of {} positions", count(done), count(of))
+            }
+            Self::Snapping { done, of } => write!(f, "snapping {} of {} frames", count(done), count(of)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::UnclickedProgress;
+
+    #[test]
+    fn progress_is_words_and_a_share() {
+        let tying = UnclickedProgress::Tying { done: 1212, of: 4848 };
+        assert_eq!(tying.to_string(), "matching pairs of frames, 1,212 of 4,848");
+        assert!((tying.share_of_step() - 0.25).abs() < 1e-12);
+        let trying = UnclickedProgress::Trying { places: 304_425, done: 0, of: 5 };
+        assert_eq!(trying.to_string(), "trying 304,425 positions, round 1 of 5");
+        assert!(UnclickedProgress::Looking { done: 0, of: 0 }.share_of_step().abs() < 1e-12);
+    }
+}

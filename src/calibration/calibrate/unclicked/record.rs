@@ -1,0 +1,42 @@
+//! A camera that was found without clicks, written into its document.
+
+use super::UnclickedCamera;
+use crate::calibrate::field_size::set_field_size;
+use crate::calibrate::record_snapped;
+use touchline_core::camera::PtzCamera;
+use touchline_core::solve::Uncertainty;
+use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
+
+/// Writes a found camera into a document: base, size of the field, crown, and its frames as suggestions. References stay as they are.
+pub fn record_found(document: &mut Document, camera: &CameraId, found: &UnclickedCamera) {
+    let Some(of_document) = document.camera_mut(camera) else { return };
+    of_document.set_base(&found.base);
+    set_field_size(document, camera, &found.sizes);
+    let Some(of_document) = document.camera_mut(camera) else { return };
+    let field = if of_document.field.is_some() { of_document.field.as_mut() } else { Some(&mut document.field) };
+    if let Some(field) = field {
+        field.set_crown_m(found.field.crown_m);
+    }
+    for of_found in &found.frames {
+        let Some(frame) = document.frames.get_mut(of_found.index) else { continue };
+        if frame.status == FrameStatus::Reference {
+            continue;
+        }
+        if frame.status == FrameStatus::New {
+            frame.status = FrameStatus::Suggested;
+        }
+        let camera = PtzCamera::new(found.base, of_found.ptz);
+        frame.point(of_found.ptz, camera.lens());
+        let known = of_found.uncertainty.as_ref();
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Markings),
+            covariance: known.map(Uncertainty::ptz_covariance_deg),
+            own_covariance: known.map(Uncertainty::own_covariance_deg),
+            worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+            ..Solution::default()
+        });
+        if let Some(snapped) = &of_found.snapped {
+            record_snapped(frame, &found.base, snapped);
+        }
+    }
+}

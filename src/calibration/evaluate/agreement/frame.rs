@@ -1,0 +1,223 @@
+//! One frame that two annotators have labelled.
+
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::{FieldModel, LandmarkId};
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2};
+use touchline_core::score::{camera_error, iou_part};
+use touchline_documents::document::{Document, Frame, FrameStatus, Target};
+
+/// Two clicks nearer than this mean the same spot, whatever it is called, px at 1920 px width: five sigmas of the
+/// difference of two ordinary clicks.
+const SAME_SPOT_PX: f64 = 15.0;
+
+/// Where a corner of the picture shows no ground nearer than this, a point so far away stands for it, m.
+const FAR_M: f64 = 300.0;
+
+/// How two annotators agree on a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameAgreement {
+    /// What messages call it.
+    pub name: String,
+    /// Its place in the first document and in the second.
+    pub frames: [usize; 2],
+    /// The landmarks that both clicked.
+    pub clicks: Vec<ClickPair>,
+    /// The landmarks that only the first clicked, and only the second.
+    pub lone_clicks: [Vec<LandmarkId>; 2],
+    /// Spots that the two call differently.
+    pub names: Vec<NameDispute>,
+    /// How their cameras differ; none unless both have one that a person made or accepted.
+    pub cameras: Option<CameraAgreement>,
+    /// The pictures differ in size: nothing of this frame is compared.
+    pub sizes_differ: bool,
+}
+
+/// A landmark that both clicked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClickPair {
+    /// Which.
+    pub landmark: LandmarkId,
+    /// The click's place in the first document's frame and in the second's.
+    pub clicks: [usize; 2],
+    /// From the first's click to the second's, px at 1920 px width.
+    pub offset_px: Vec2,
+}
+
+/// A spot that two annotators call differently: one says near, the other far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NameDispute {
+    /// What the first calls it, and what the second.
+    pub names: [LandmarkId; 2],
+    /// The click's place in the first document's frame and in the second's.
+    pub clicks: [usize; 2],
+    /// How far apart the two clicks are, px at 1920 px width.
+    pub apart_px: f64,
+}
+
+/// How the cameras of a frame differ: the second's less the first's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraAgreement {
+    /// Intersection over union of the part of the field that the picture shows; none where it shows none.
+    pub iou_part: Option<f64>,
+    /// How far the worst corner of the picture lies from where the other camera has it, px at 1920 px width; infinite where
+    /// that one does not see it.
+    pub worst_corner_px: f64,
+    /// Pan of the optical axis.
+    pub pan: Angle,
+    /// Tilt of the optical axis.
+    pub tilt: Angle,
+    /// Focal length, per cent of the first's.
+    pub focal_percent: f64,
+}
+
+impl FrameAgreement {
+    /// The distance of the clicks that lie farthest apart, px at 1920 px width; none without any.
+    #[must_use]
+    pub fn largest_px(&self) -> Option<f64> {
+        self.clicks.iter().map(ClickPair::apart_px).reduce(f64::max)
+    }
+}
+
+impl ClickPair {
+    /// The distance, px at 1920 px width.
+    #[must_use]
+    pub fn apart_px(&self) -> f64 {
+        self.offset_px.norm()
+    }
+
+    /// Whether both lie at the same place to the last digit.
+    #[must_use]
+    pub fn is_copy(&self) -> bool {
+        self.offset_px == Vec2::zeros()
+    }
+
+    /// The offset scaled so that each coordinate has the variance of one click.
+    pub(super) fn difference(&self) -> Vec2 {
+        self.offset_px / std::f64::consts::SQRT_2
+    }
+}
+
+/// A frame as one of the two has it.
+pub(super) struct Seen<'a> {
+    pub document: &'a Document,
+    pub frame: &'a Frame,
+    pub index: usize,
+}
+
+impl Seen<'_> {
+    /// The clicks on landmarks: which, where, and their places in the frame.
+    fn landmarks(&self) -> Vec<(&LandmarkId, ImagePoint, usize)> {
+        let clicks = self.frame.clicks.iter().enumerate();
+        clicks
+            .filter_map(|(index, click)| match &click.target {
+                Some(Target::Landmark(id)) if click.image.is_finite() => Some((id, click.image, index)),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// The camera that this annotator made or accepted.
+    fn camera(&self) -> Option<PtzCamera> {
+        let own = !matches!(self.frame.status, FrameStatus::Suggested | FrameStatus::Rejected);
+        self.document.pointed(self.frame).filter(|_| own)
+    }
+}
+
+/// Compares a frame; `field` is the first's.
+pub(super) fn frame_agreement(first: &Seen<'_>, second: &Seen<'_>, field: &FieldModel) -> FrameAgreement {
+    let size = first.frame.image_size;
+    let mut found = FrameAgreement {
+        name: first.frame.name(),
+        frames: [first.index, second.index],
+        clicks: Vec::new(),
+        lone_clicks: Default::default(),
+        names: Vec::new(),
+        cameras: None,
+        sizes_differ: second.frame.image_size != size,
+    };
+    if found.sizes_differ {
+        return found;
+    }
+    let scale = size.scale_from_1920();
+    let (ones, others) = (first.landmarks(), second.landmarks());
+    for (id, at, click) in &ones {
+        match others.iter().find(|(other, ..)| other == id) {
+            Some((_, other_at, other_click)) => found.clicks.push(ClickPair {
+                landmark: (*id).clone(),
+                clicks: [*click, *other_click],
+                offset_px: other_at.offset_from(*at) / scale,
+            }),
+            None => found.lone_clicks[0].push((*id).clone()),
+        }
+    }
+    found.lone_clicks[1] = others
+        .iter()
+        .filter(|(id, ..)| !ones.iter().any(|(other, ..)| other == id))
+        .map(|(id, ..)| (*id).clone())
+        .collect();
+    let cameras = (first.camera(), second.camera());
+    found.names = disputed_names(&ones, &others, scale, |a, b| {
+        let camera = cameras.0.as_ref().or(cameras.1.as_ref());
+        camera.is_some_and(|camera| lie_together(camera, field, a, b, scale))
+    });
+    if let (Some(one), Some(other)) = cameras {
+        let error = camera_error(&one, &other);
+        found.cameras = Some(CameraAgreement {
+            iou_part: iou_part(field, &one, &other, size),
+            worst_corner_px: worst_corner_px(&one, &other, size) / scale,
+            pan: error.pan,
+            tilt: error.tilt,
+            focal_percent: error.focal_percent,
+        });
+    }
+    found
+}
+
+/// Clicks of the two that lie at one spot under different names. A click whose namesake lies there too is no dispute, nor are
+/// two landmarks that the picture shows at one spot.
+fn disputed_names(
+    ones: &[(&LandmarkId, ImagePoint, usize)],
+    others: &[(&LandmarkId, ImagePoint, usize)],
+    scale: f64,
+    lie_together: impl Fn(&LandmarkId, &LandmarkId) -> bool,
+) -> Vec<NameDispute> {
+    let limit = SAME_SPOT_PX * scale;
+    let has_namesake_near = |id: &LandmarkId, at: ImagePoint, among: &[(&LandmarkId, ImagePoint, usize)]| {
+        among.iter().any(|(other, there, _)| *other == id && there.distance_px(at) <= limit)
+    };
+    let mut found = Vec::new();
+    for (id, at, click) in ones.iter().filter(|(id, at, _)| !has_namesake_near(id, *at, others)) {
+        let near = others
+            .iter()
+            .filter(|(other, there, _)| other != id && !has_namesake_near(other, *there, ones))
+            .map(|(other, there, other_click)| (there.distance_px(*at), *other, *other_click))
+            .filter(|(apart, other, _)| *apart <= limit && !lie_together(id, other))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((apart, other, other_click)) = near {
+            let names = [(*id).clone(), other.clone()];
+            found.push(NameDispute { names, clicks: [*click, other_click], apart_px: apart / scale });
+        }
+    }
+    found
+}
+
+/// Whether a camera shows two landmarks so near to each other that clicks do not tell them apart.
+fn lie_together(camera: &PtzCamera, field: &FieldModel, a: &LandmarkId, b: &LandmarkId, scale: f64) -> bool {
+    let at = |id: &LandmarkId| {
+        let landmark = field.landmark(id.as_str())?;
+        camera.image_from_world(field.landmark_in_world(landmark)).ok()
+    };
+    at(a).zip(at(b)).is_some_and(|(a, b)| a.distance_px(b) <= 2.0 * SAME_SPOT_PX * scale)
+}
+
+/// How far from its place another camera has what a corner of the picture shows, px, at the worst corner.
+fn worst_corner_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
+    let off = |corner: ImagePoint| {
+        let position = one.base().position_m;
+        let on_ground = one.plane_from_image(corner, 0.0).filter(|point| (point - position).norm() <= FAR_M);
+        let far = || one.world_direction_from_image(corner).ok().map(|way| position + way.normalize() * FAR_M);
+        let image = other.image_from_world(on_ground.or_else(far)?).ok()?;
+        Some(image.distance_px(corner))
+    };
+    size.corners().into_iter().map(|corner| off(corner).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
+}

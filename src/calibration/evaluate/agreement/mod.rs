@@ -1,0 +1,195 @@
+//! Two documents of the same frames: how far two annotators agree.
+//!
+//! Neither is the truth. Compared are the clicks on the same landmarks (a click on a line may lie anywhere on it, so it takes no
+//! part), the names given to the same spots, and the cameras. All distances are px at 1920 px width, so that pictures of any
+//! size count alike; offsets go from the first document to the second.
+
+mod frame;
+
+pub use frame::{CameraAgreement, ClickPair, FrameAgreement, NameDispute};
+
+use super::matching::matched;
+use frame::{Seen, frame_agreement};
+use std::collections::BTreeMap;
+use touchline_core::field::{FieldError, LandmarkId};
+use touchline_core::geometry::Vec2;
+use touchline_core::score::{ClickScatter, Summary, quantile};
+use touchline_documents::document::{DocumentAt, Fields, Frame, FrameStatus};
+
+/// How two annotators agree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Agreement {
+    /// The frames that both have labelled, in the first's order.
+    pub frames: Vec<FrameAgreement>,
+    /// The frames that only one of them has labelled.
+    pub lone: Vec<LoneFrame>,
+    /// By landmark, those that lie farthest apart first.
+    pub landmarks: Vec<LandmarkAgreement>,
+    /// The distances of the clicks on the same landmarks, px; none without any.
+    pub distances: Option<Summary>,
+    /// The click noise of either annotator, if both scatter alike, px; none where the clicks are too few to tell. A spot that
+    /// the two understand differently counts as scatter.
+    pub noise: Option<ClickScatter>,
+    /// The same to the right and downwards.
+    pub noise_by_axis: [Option<ClickScatter>; 2],
+    /// Clicks that lie at the same place to the last digit: one document took them from the other. They take no part in
+    /// distances and noise.
+    pub copies: usize,
+}
+
+/// A frame that only one of the two has labelled.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LoneFrame {
+    /// What messages call it.
+    pub name: String,
+    /// Its place in the first document and in the second; none where it is not there.
+    pub frames: [Option<usize>; 2],
+    /// Labelled in the first document, else in the second.
+    pub by_first: bool,
+    /// The other one has marked it as not calibratable.
+    pub rejected: bool,
+}
+
+/// How far apart the two click a landmark.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandmarkAgreement {
+    /// Which.
+    pub landmark: LandmarkId,
+    /// How many frames.
+    pub pairs: usize,
+    /// The median distance, px.
+    pub median_px: f64,
+    /// Nine of ten lie within, px.
+    pub p90_px: f64,
+    /// The median way from the first to the second, px: a spot that the two understand differently.
+    pub offset_px: Vec2,
+    /// One annotator's click noise, px; none where the frames are too few to tell.
+    pub noise: Option<ClickScatter>,
+}
+
+impl Agreement {
+    /// One annotator's click noise, in a sentence.
+    #[must_use]
+    pub fn describe_noise(&self) -> String {
+        let copies = match self.copies {
+            0 => String::new(),
+            1 => " 1 click is a copy and is not counted.".to_owned(),
+            copies => format!(" {copies} clicks are copies and are not counted."),
+        };
+        let Some(noise) = &self.noise else {
+            return format!("Too few clicks on the same landmarks to estimate the click noise.{copies}");
+        };
+        let [low, high] = noise.interval_95;
+        let aside = match noise.set_aside {
+            0 => String::new(),
+            1 => " 1 pair lies too far apart to be noise and is left out.".to_owned(),
+            pairs => format!(" {pairs} pairs lie too far apart to be noise and are left out."),
+        };
+        format!(
+            "Click noise of one annotator: {:.2} px in each direction (95 %: {low:.2} to {high:.2}; {} pairs), if both \
+             click equally well.{aside}{copies}",
+            noise.sigma, noise.pairs
+        )
+    }
+
+    /// Whether there is anything to compare but copies.
+    #[must_use]
+    pub fn says_something(&self) -> bool {
+        self.distances.is_some() || self.frames.iter().any(|frame| !frame.names.is_empty())
+    }
+}
+
+/// Compares two documents. Frames are matched by where their pictures lie, by SHA-256, or by name.
+///
+/// # Errors
+/// A field of the first document is not valid.
+pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreement, FieldError> {
+    let fields = Fields::of(first)?;
+    let partners = matched(first, second);
+    let mut frames = Vec::new();
+    let mut lone = Vec::new();
+    let mut met = vec![false; second.frames.len()];
+    for (index, (one, partner)) in first.frames.iter().zip(&partners).enumerate() {
+        let other = partner.map(|partner| &*second.frames[partner]);
+        if let Some(partner) = partner {
+            met[*partner] = true;
+        }
+        let labelled = (is_labelled(one), other.is_some_and(is_labelled));
+        match (labelled, partner, other) {
+            ((true, true), Some(partner), Some(other)) => {
+                let field = fields.of_frame(&first, one);
+                let seen = Seen { document: &first, frame: one, index };
+                let seen_by_other = Seen { document: &second, frame: other, index: *partner };
+                frames.push(frame_agreement(&seen, &seen_by_other, field));
+            }
+            ((true, false), ..) => lone.push(lone_frame(one, other, [Some(index), *partner], true)),
+            ((false, true), ..) => {
+                lone.extend(other.map(|other| lone_frame(other, Some(one), [Some(index), *partner], false)));
+            }
+            _ => {}
+        }
+    }
+    for (index, other) in second.frames.iter().enumerate().filter(|(index, other)| !met[*index] && is_labelled(other)) {
+        lone.push(lone_frame(other, None, [None, Some(index)], false));
+    }
+    Ok(summed_up(frames, lone))
+}
+
+/// Whether an annotator has said anything about what the frame shows.
+fn is_labelled(frame: &Frame) -> bool {
+    let named = frame.clicks.iter().any(|click| click.target.is_some());
+    match frame.status {
+        FrameStatus::Rejected => false,
+        FrameStatus::Reference => named || frame.ptz.is_some(),
+        FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => named,
+    }
+}
+
+fn lone_frame(frame: &Frame, other: Option<&Frame>, frames: [Option<usize>; 2], by_first: bool) -> LoneFrame {
+    let rejected = other.is_some_and(|other| other.status == FrameStatus::Rejected);
+    LoneFrame { name: frame.name(), frames, by_first, rejected }
+}
+
+fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
+    let pairs = || frames.iter().flat_map(|frame| &frame.clicks);
+    let own = || pairs().filter(|pair| !pair.is_copy());
+    let differences: Vec<Vec2> = own().map(ClickPair::difference).collect();
+    let mut by_landmark: BTreeMap<&LandmarkId, Vec<&ClickPair>> = BTreeMap::new();
+    for pair in own() {
+        by_landmark.entry(&pair.landmark).or_default().push(pair);
+    }
+    let mut landmarks: Vec<LandmarkAgreement> =
+        by_landmark.into_iter().map(|(landmark, pairs)| landmark_agreement(landmark, &pairs)).collect();
+    landmarks.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
+    let distances: Vec<f64> = own().map(ClickPair::apart_px).collect();
+    Agreement {
+        landmarks,
+        distances: Summary::of(&distances, 0),
+        noise: ClickScatter::of(&differences),
+        noise_by_axis: [0, 1].map(|axis| ClickScatter::along(differences.iter().map(|difference| difference[axis]))),
+        copies: pairs().filter(|pair| pair.is_copy()).count(),
+        frames,
+        lone,
+    }
+}
+
+fn landmark_agreement(landmark: &LandmarkId, pairs: &[&ClickPair]) -> LandmarkAgreement {
+    let sorted = |values: &dyn Fn(&ClickPair) -> f64| {
+        let mut values: Vec<f64> = pairs.iter().map(|pair| values(pair)).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let distances = sorted(&ClickPair::apart_px);
+    let differences: Vec<Vec2> = pairs.iter().map(|pair| pair.difference()).collect();
+    LandmarkAgreement {
+        landmark: landmark.clone(),
+        pairs: pairs.len(),
+        median_px: quantile(&distances, 0.5),
+        p90_px: quantile(&distances, 0.9),
+        offset_px: Vec2::new(
+            quantile(&sorted(&|pair| pair.offset_px.x), 0.5),
+            quantile(&sorted(&|pair| pair.offset_px.y), 0.5),
+        ),
+        noise: ClickScatter::of(&differences),
+    }
+}

@@ -1,0 +1,145 @@
+//! Frames taken together.
+
+use super::{Evaluation, FrameResult, FrameScores, Measure};
+use touchline_core::score::{SigmaCoverage, Summary};
+
+/// What makes frames a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GroupKind {
+    /// All frames.
+    All,
+    /// The frames of one shot.
+    Clip,
+    /// The frames of one camera.
+    Camera,
+    /// Frames of about the same field of view.
+    View,
+}
+
+impl GroupKind {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Clip => "clip",
+            Self::Camera => "camera",
+            Self::View => "view",
+        }
+    }
+}
+
+/// Some frames and what they score together. Errors are those of the frames that have a camera: read them beside the
+/// completeness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameGroup {
+    /// What makes it a group.
+    pub kind: GroupKind,
+    /// Which one: the shot's or camera's name, the range of the field of view in degrees.
+    pub name: String,
+    /// Frames with a truth.
+    pub frames: usize,
+    /// Those of them that the estimate has a camera for.
+    pub scored: usize,
+    /// Every measure that some frame gives, over the frames.
+    pub measures: Vec<(Measure, Summary)>,
+    /// All clicks that the estimates were made from, each by itself, px.
+    pub clicks_px: Option<Summary>,
+    /// All clicks that they were not made from, px.
+    pub held_out_px: Option<Summary>,
+    /// The same on the ground, m.
+    pub held_out_m: Option<Summary>,
+    /// How the stated sigmas match the errors.
+    pub coverage: Option<SigmaCoverage>,
+}
+
+/// The width of a bin of fields of view, degrees.
+const VIEW_BIN_DEG: f64 = 10.0;
+
+impl FrameGroup {
+    /// The share of the frames that have a camera.
+    #[must_use]
+    pub fn completeness(&self) -> f64 {
+        self.scored as f64 / (self.frames as f64).max(1.0)
+    }
+
+    /// The summary of one measure.
+    #[must_use]
+    pub fn measure(&self, measure: Measure) -> Option<&Summary> {
+        self.measures.iter().find(|(other, _)| *other == measure).map(|(_, summary)| summary)
+    }
+
+    /// The score of the `SoccerNet` camera calibration task: mean `JaC@5` times completeness.
+    #[must_use]
+    pub fn soccernet_score(&self) -> Option<f64> {
+        self.measure(Measure::Jaccard5).map(|jaccard| jaccard.mean * self.completeness())
+    }
+
+    fn of(kind: GroupKind, name: String, frames: &[&FrameResult], seed: u64) -> Self {
+        let scored: Vec<&FrameScores> = frames.iter().filter_map(|frame| frame.scores.as_ref().ok()).collect();
+        let pooled = |of: fn(&FrameScores) -> &[f64]| {
+            let values: Vec<f64> = scored.iter().flat_map(|scores| of(scores)).copied().collect();
+            Summary::of(&values, seed)
+        };
+        let values =
+            |measure: Measure| -> Vec<f64> { scored.iter().filter_map(|scores| scores.get(measure)).collect() };
+        let summaries = Measure::ALL.into_iter().filter_map(|measure| {
+            let summary = Summary::of(&values(measure), seed)?;
+            Some((measure, summary))
+        });
+        let squared: Vec<f64> = values(Measure::Sigmas).iter().map(|sigmas| 3.0 * sigmas * sigmas).collect();
+        Self {
+            kind,
+            name,
+            frames: frames.len(),
+            scored: scored.len(),
+            measures: summaries.collect(),
+            clicks_px: pooled(|scores| &scores.clicks_px),
+            held_out_px: pooled(|scores| &scores.held_out_px),
+            held_out_m: pooled(|scores| &scores.held_out_m),
+            coverage: SigmaCoverage::of(&squared),
+        }
+    }
+}
+
+impl Evaluation {
+    /// All frames together, then by shot, by camera and by field of view; of a kind with a single group nothing is repeated.
+    /// The seed decides the bootstrap intervals.
+    #[must_use]
+    pub fn groups(&self, seed: u64) -> Vec<FrameGroup> {
+        let all: Vec<&FrameResult> = self.frames.iter().collect();
+        let mut groups = vec![FrameGroup::of(GroupKind::All, "all".to_owned(), &all, seed)];
+        let clip = |frame: &FrameResult| frame.clip.as_ref().map(ToString::to_string);
+        let camera = |frame: &FrameResult| Some(frame.camera.as_str().to_owned());
+        self.add(&mut groups, GroupKind::Clip, &clip, seed);
+        self.add(&mut groups, GroupKind::Camera, &camera, seed);
+        self.add(&mut groups, GroupKind::View, &view_bin, seed);
+        groups
+    }
+
+    fn add(
+        &self,
+        groups: &mut Vec<FrameGroup>,
+        kind: GroupKind,
+        name: &dyn Fn(&FrameResult) -> Option<String>,
+        seed: u64,
+    ) {
+        let mut names: Vec<String> = self.frames.iter().filter_map(name).collect();
+        alphanumeric_sort::sort_str_slice(&mut names);
+        names.dedup();
+        if names.len() < 2 {
+            return;
+        }
+        for wanted in names {
+            let of_group: Vec<&FrameResult> =
+                self.frames.iter().filter(|frame| name(frame).as_ref() == Some(&wanted)).collect();
+            groups.push(FrameGroup::of(kind, wanted, &of_group, seed));
+        }
+    }
+}
+
+fn view_bin(frame: &FrameResult) -> Option<String> {
+    let from = (frame.view?.degrees() / VIEW_BIN_DEG).floor() * VIEW_BIN_DEG;
+    Some(format!("{from:.0}–{:.0}°", from + VIEW_BIN_DEG))
+}

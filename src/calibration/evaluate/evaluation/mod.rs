@@ -1,0 +1,170 @@
+//! Two documents of the same frames: how far the cameras of one are from the truth of the other.
+//!
+//! The truth may hold cameras, clicks or both; what it does not hold is not measured. Clicks show what people can see, so
+//! a truth of clicks alone (real frames) says how far lines and landmarks are off, not how far pan, tilt and focal length
+//! are.
+
+mod groups;
+mod measure;
+mod scores;
+
+pub use groups::{FrameGroup, GroupKind};
+pub use measure::Measure;
+pub use scores::FrameScores;
+
+use super::matching::matched;
+use rayon::prelude::*;
+use scores::{TrueFrame, scores};
+use serde::{Serialize, Serializer};
+use thiserror::Error;
+use touchline_core::field::FieldError;
+use touchline_core::geometry::{Angle, ImageSize};
+use touchline_core::score::{FieldView, horizontal_view};
+use touchline_core::solve::ObservationError;
+use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};
+use touchline_documents::document::{DocumentAt, Fields};
+
+/// How an estimate compares with a truth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Every frame of which the truth knows something, in its order.
+    pub frames: Vec<FrameResult>,
+    /// Frames of the estimate that the truth lacks or knows nothing of, by name.
+    pub without_truth: Vec<String>,
+}
+
+/// One frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameResult {
+    /// What messages call it.
+    pub name: String,
+    /// Its number in the truth.
+    pub index: usize,
+    /// Its shot.
+    pub clip: Option<Clip>,
+    /// Its camera in the truth.
+    pub camera: CameraId,
+    /// The horizontal field of view: the true camera's, else the estimate's.
+    #[serde(rename = "view_deg")]
+    pub view: Option<Angle>,
+    /// What it scores, or why it has no score.
+    #[serde(serialize_with = "scores_or_reason")]
+    pub scores: Result<FrameScores, Unscored>,
+}
+
+/// The scores, or why there are none as text.
+fn scores_or_reason<S: Serializer>(scores: &Result<FrameScores, Unscored>, serializer: S) -> Result<S::Ok, S::Error> {
+    match scores {
+        Ok(scores) => scores.serialize(serializer),
+        Err(reason) => serializer.collect_str(reason),
+    }
+}
+
+/// Why a frame has no score.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Unscored {
+    /// No frame of the estimate shows this picture.
+    #[error("the estimate has no such frame")]
+    Absent,
+    /// The frame is there without a camera.
+    #[error("the estimate has no camera for it{}", reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default())]
+    NoCamera {
+        /// The warning that says why.
+        reason: Option<String>,
+    },
+    /// The pictures differ in size: px of one are not px of the other.
+    #[error(
+        "the truth's picture is {} × {} px, the estimate's {} × {} px", truth.width, truth.height, estimate.width, estimate.height
+    )]
+    SizeDiffers {
+        /// The truth's.
+        truth: ImageSize,
+        /// The estimate's.
+        estimate: ImageSize,
+    },
+    /// A click of the truth names what the estimate's field lacks.
+    #[error("the fields differ: {0}")]
+    Field(#[from] ObservationError),
+}
+
+/// Why documents cannot be compared at all.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum EvaluationError {
+    /// A field is not valid.
+    #[error("the {which}: {source}")]
+    Field {
+        /// "truth" or "estimate".
+        which: &'static str,
+        /// What is wrong with it.
+        source: FieldError,
+    },
+    /// No frame of the truth has a camera or a named click.
+    #[error("no frame of the truth has a camera or a named click: there is nothing to compare with")]
+    NoTruth,
+}
+
+/// Compares an estimate with a truth. Frames are matched by where their pictures lie, by
+/// SHA-256, or by name; rejected frames of the truth take no part.
+///
+/// # Errors
+/// A field is not valid, or the truth holds nothing to compare with.
+pub fn evaluate(truth: DocumentAt<'_>, estimate: DocumentAt<'_>) -> Result<Evaluation, EvaluationError> {
+    let fields = |document: DocumentAt<'_>, which: &'static str| {
+        Fields::of(document).map_err(|source| EvaluationError::Field { which, source })
+    };
+    let true_fields = fields(truth, "truth")?;
+    let estimated_fields = fields(estimate, "estimate")?;
+    let partners = matched(truth, estimate);
+    let known: Vec<usize> = (0..truth.frames.len()).filter(|&index| is_known(&truth, &truth.frames[index])).collect();
+    if known.is_empty() {
+        return Err(EvaluationError::NoTruth);
+    }
+    let one = |&index: &usize| {
+        let frame = &*truth.frames[index];
+        let known = TrueFrame { frame, field: true_fields.of_frame(&truth, frame), camera: truth.pointed(frame) };
+        let partner = partners[index].map(|partner| &*estimate.frames[partner]);
+        let estimated_camera = partner.and_then(|partner| estimate.pointed(partner));
+        let focal_px = known.camera.or(estimated_camera).map(|camera| camera.ptz().focal_px);
+        FrameResult {
+            name: frame.name(),
+            index,
+            clip: frame.clip.clone(),
+            camera: frame.camera.clone(),
+            view: focal_px.map(|focal_px| horizontal_view(focal_px, frame.image_size)),
+            scores: score_frame(&known, &estimate, partner, &estimated_fields),
+        }
+    };
+    let frames: Vec<FrameResult> = known.par_iter().map(one).collect();
+    let mut has_truth = vec![false; estimate.frames.len()];
+    for partner in known.iter().filter_map(|&index| partners[index]) {
+        has_truth[partner] = true;
+    }
+    let without_truth = estimate.frames.iter().zip(has_truth).filter(|(_, known)| !known);
+    let without_truth = without_truth.map(|(frame, _)| frame.name()).collect();
+    Ok(Evaluation { frames, without_truth })
+}
+
+fn is_known(truth: &Document, frame: &Frame) -> bool {
+    frame.status != FrameStatus::Rejected
+        && (truth.pointed(frame).is_some() || frame.clicks.iter().any(|click| click.target.is_some()))
+}
+
+fn score_frame(
+    truth: &TrueFrame,
+    estimate: &Document,
+    partner: Option<&Frame>,
+    fields: &Fields,
+) -> Result<FrameScores, Unscored> {
+    let frame = partner.ok_or(Unscored::Absent)?;
+    if frame.image_size != truth.frame.image_size {
+        return Err(Unscored::SizeDiffers { truth: truth.frame.image_size, estimate: frame.image_size });
+    }
+    let camera = estimate.pointed(frame).ok_or_else(|| {
+        let first = frame.solution.as_ref().and_then(|solution| solution.warnings.first());
+        Unscored::NoCamera { reason: first.map(|warning| warning.message.clone()) }
+    })?;
+    let shown = FieldView { field: fields.of_frame(estimate, frame), camera: &camera };
+    Ok(scores(truth, frame, shown)?)
+}

@@ -1,0 +1,173 @@
+//! One frame: the truth's clicks and camera against the estimate's camera.
+
+use super::Measure;
+use crate::calibrate::observations;
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::{FieldElement, FieldModel};
+use touchline_core::geometry::{ImageSize, Vec3, median};
+use touchline_core::score::{
+    AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
+    landmark_errors, squared_sigmas,
+};
+use touchline_core::solve::{Observation, ObservationError};
+use touchline_documents::document::{Frame, Target};
+
+/// What a frame scores.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameScores {
+    values: [Option<f64>; Measure::ALL.len()],
+    /// The distance of each click that the estimate was made from, px; infinite where the estimate does not show its target.
+    pub clicks_px: Vec<f64>,
+    /// The same of the clicks that it was not made from.
+    pub held_out_px: Vec<f64>,
+    /// The distances on the ground of those that show landmarks on the ground, m.
+    pub held_out_m: Vec<f64>,
+}
+
+impl FrameScores {
+    /// A number; none where the frame does not give it.
+    #[must_use]
+    pub fn get(&self, measure: Measure) -> Option<f64> {
+        self.values[measure as usize]
+    }
+
+    fn set(&mut self, measure: Measure, value: Option<f64>) {
+        self.values[measure as usize] = value;
+    }
+}
+
+/// The measures that the frame gives by their keys, and the clicks' distances.
+impl Serialize for FrameScores {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for measure in Measure::ALL {
+            if let Some(value) = self.get(measure) {
+                map.serialize_entry(measure.key(), &value)?;
+            }
+        }
+        map.serialize_entry("every_click_px", &self.clicks_px)?;
+        map.serialize_entry("every_held_out_click_px", &self.held_out_px)?;
+        map.serialize_entry("every_held_out_click_m", &self.held_out_m)?;
+        map.end()
+    }
+}
+
+/// A frame of the truth with its field and, if it is solved, its camera.
+pub(super) struct TrueFrame<'a> {
+    pub frame: &'a Frame,
+    pub field: &'a FieldModel,
+    pub camera: Option<PtzCamera>,
+}
+
+/// Compares a frame with what the estimate's frame shows.
+///
+/// # Errors
+/// A click of the truth names something that the estimate's field lacks.
+pub(super) fn scores(truth: &TrueFrame, estimate: &Frame, shown: FieldView) -> Result<FrameScores, ObservationError> {
+    let mut scores = FrameScores::default();
+    let size = truth.frame.image_size;
+    add_clicks(&mut scores, truth.frame, estimate, shown)?;
+    let annotated = match &truth.camera {
+        Some(true_camera) => {
+            add_camera(&mut scores, FieldView { field: truth.field, camera: true_camera }, shown, size);
+            add_sigmas(&mut scores, true_camera, shown.camera, estimate);
+            annotated_lines(truth.field, true_camera, size)
+        }
+        None => clicked_lines(truth),
+    };
+    if !annotated.is_empty() {
+        let found = MarkingMatch::of(truth.field, &annotated, shown, size);
+        scores.set(Measure::Jaccard5, Some(found.jaccard(5.0)));
+        scores.set(Measure::Jaccard10, Some(found.jaccard(10.0)));
+        scores.set(Measure::Jaccard20, Some(found.jaccard(20.0)));
+    }
+    Ok(scores)
+}
+
+fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, size: ImageSize) {
+    let error = camera_error(truth.camera, estimate.camera);
+    scores.set(Measure::IouPart, iou_part(truth.field, truth.camera, estimate.camera, size));
+    scores.set(Measure::IouWhole, Some(iou_whole(truth.field, truth.camera, estimate.camera)));
+    scores.set(Measure::Rotation, Some(error.rotation.degrees()));
+    scores.set(Measure::Pan, Some(error.pan.degrees().abs()));
+    scores.set(Measure::Tilt, Some(error.tilt.degrees().abs()));
+    scores.set(Measure::Focal, Some(error.focal_px.abs()));
+    scores.set(Measure::FocalPercent, Some(error.focal_percent.abs()));
+    scores.set(Measure::Position, Some(error.position_m));
+    let landmarks = landmark_errors(truth, estimate, size);
+    let in_image: Vec<f64> = landmarks.iter().map(|error| error.image_px.unwrap_or(f64::INFINITY)).collect();
+    let on_ground: Vec<f64> = landmarks.iter().filter_map(|error| error.ground_m).collect();
+    scores.set(Measure::Landmarks, mean(&in_image));
+    scores.set(Measure::WorstLandmark, in_image.iter().copied().reduce(f64::max));
+    scores.set(Measure::LandmarksOnGround, mean(&on_ground));
+}
+
+fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera, frame: &Frame) {
+    let error = error_in_own_bases(truth, estimate);
+    let stated = frame.solution.as_ref().and_then(|solution| solution.covariance);
+    let squared = stated.and_then(|covariance| squared_sigmas(error, &covariance));
+    scores.set(Measure::Sigmas, squared.map(|squared| (squared / 3.0).sqrt()));
+}
+
+/// How far an estimate's pan (deg), tilt (deg) and focal length (px) are from the truth's, each in its own base: that is what the stated
+/// covariance is of. It has the base's error in it as far as pan and tilt follow that; in the truth's base they would err by the
+/// base's rotation as well. The pan gauge, which says nothing, is the same for both.
+fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
+    let [true_pan, pan] = [truth, estimate].map(|camera| camera.ptz().pan + camera.base().in_pan_gauge().1);
+    let tilt = estimate.ptz().tilt - truth.ptz().tilt;
+    Vec3::new(pan.turn_from(true_pan).degrees(), tilt.degrees(), estimate.ptz().focal_px - truth.ptz().focal_px)
+}
+
+/// A click of the truth was used where the estimate's frame holds a click on the same target that takes part in its solve.
+fn add_clicks(
+    scores: &mut FrameScores,
+    truth: &Frame,
+    estimate: &Frame,
+    shown: FieldView,
+) -> Result<(), ObservationError> {
+    for observation in observations(truth, shown.field)? {
+        let distance_px = observation.distance_px(shown.camera).unwrap_or(f64::INFINITY);
+        let target = truth.clicks[observation.click].target.as_ref();
+        let used = estimate.clicks.iter().any(|click| click.target.as_ref() == target && !click.check);
+        if used {
+            scores.clicks_px.push(distance_px);
+        } else {
+            scores.held_out_px.push(distance_px);
+            scores.held_out_m.extend(on_ground_m(shown, target, &observation));
+        }
+    }
+    let medians =
+        [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m].map(|values| median(&mut values.clone()));
+    for (measure, median) in
+        [Measure::Clicks, Measure::HeldOutClicks, Measure::HeldOutOnGround].into_iter().zip(medians)
+    {
+        scores.set(measure, median);
+    }
+    Ok(())
+}
+
+fn on_ground_m(shown: FieldView, target: Option<&Target>, observation: &Observation) -> Option<f64> {
+    let at = observation.shape.point()?;
+    let landmark = shown.field.landmark(target?.as_str())?;
+    if landmark.nominal_m.z == 0.0 { ground_error_m(shown.camera, observation.image, at) } else { None }
+}
+
+/// What people clicked on lines, line by line.
+fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
+    let mut annotated: Vec<AnnotatedLine> = Vec::new();
+    for click in &truth.frame.clicks {
+        let element = click.target.as_ref().and_then(|target| target.element(truth.field));
+        let Some(FieldElement::Line(line)) = element else { continue };
+        match annotated.iter_mut().find(|marking| marking.line == line) {
+            Some(marking) => marking.points.push(click.image),
+            None => annotated.push(AnnotatedLine { line, points: vec![click.image] }),
+        }
+    }
+    annotated
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}

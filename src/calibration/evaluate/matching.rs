@@ -1,0 +1,124 @@
+//! Matching the frames of two documents.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use touchline_documents::document::{DocumentAt, Frame, resolved};
+
+/// For each frame of `wanted` the frame of `offered` that shows the same picture, if there is one.
+///
+/// A frame is known by where its image or video lies, else by the image's SHA-256, else by its path as the document writes it
+/// (a project that was moved), else by its file's name alone. The first that finds a single partner decides; a
+/// partner is given once. Frames that state different SHA-256 never meet: names repeat from match to match.
+pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
+    let mut partners = vec![None; wanted.frames.len()];
+    let mut given = vec![false; offered.frames.len()];
+    for identity in [by_place, by_digest, by_path, by_name] {
+        let mut open: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (index, frame) in offered.frames.iter().enumerate().filter(|(index, _)| !given[*index]) {
+            if let Some(key) = identity(frame, offered.folder) {
+                open.entry(key).or_default().push(index);
+            }
+        }
+        let mut asked: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (index, frame) in wanted.frames.iter().enumerate().filter(|(index, _)| partners[*index].is_none()) {
+            if let Some(key) = identity(frame, wanted.folder) {
+                asked.entry(key).or_default().push(index);
+            }
+        }
+        for (key, asking) in asked {
+            if let ([asking], Some([partner])) = (&asking[..], open.get(&key).map(Vec::as_slice))
+                && may_be_same_picture(&wanted.frames[*asking], &offered.frames[*partner])
+            {
+                partners[*asking] = Some(*partner);
+                given[*partner] = true;
+            }
+        }
+    }
+    partners
+}
+
+/// Whether the stated SHA-256 of two frames, if any, allow that they show the same picture.
+fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
+    a.sha256.as_ref().zip(b.sha256.as_ref()).is_none_or(|(a, b)| a.eq_ignore_ascii_case(b))
+}
+
+fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
+    match (&frame.image, &frame.video) {
+        (Some(image), _) => Some(resolved(&folder.join(image)).to_string_lossy().into_owned()),
+        (None, Some(video)) => {
+            Some(format!("{}#{}", resolved(&folder.join(&video.path)).to_string_lossy(), video.frame_index))
+        }
+        (None, None) => None,
+    }
+}
+
+fn by_digest(frame: &Frame, _: &Path) -> Option<String> {
+    frame.sha256.clone()
+}
+
+fn by_path(frame: &Frame, _: &Path) -> Option<String> {
+    (frame.image.is_some() || frame.video.is_some()).then(|| frame.name())
+}
+
+fn by_name(frame: &Frame, _: &Path) -> Option<String> {
+    let name = |path: &str| Path::new(path).file_name().map(|name| name.to_string_lossy().into_owned());
+    match (&frame.image, &frame.video) {
+        (Some(image), _) => name(image),
+        (None, Some(video)) => Some(format!("{}#{}", name(&video.path)?, video.frame_index)),
+        (None, None) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, FieldSpec, VideoFrame};
+
+    fn document(images: &[&str]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let size = ImageSize::new(64, 48);
+        document.frames.extend(images.iter().map(|image| Frame::from_image(image, "main".into(), size).into()));
+        document
+    }
+
+    #[test]
+    fn frames_meet_by_place_then_digest_then_path_then_name() {
+        let (a, b) = (Path::new("/no/a"), Path::new("/no/b"));
+        // By place: the same file called from two folders.
+        let one = document(&["1.jpg", "../b/2.jpg"]);
+        let other = document(&["2.jpg", "../a/1.jpg"]);
+        assert_eq!(matched(one.at(a), other.at(b)), [Some(1), Some(0)]);
+        // By digest: renamed.
+        let (mut one, mut other) = (document(&["1.jpg"]), document(&["x.jpg", "y.jpg"]));
+        one.frames[0].sha256 = Some("ab".to_owned());
+        other.frames[1].sha256 = Some("ab".to_owned());
+        assert_eq!(matched(one.at(a), other.at(b)), [Some(1)]);
+        // Another match with the same names.
+        other.frames[0].sha256 = Some("cd".to_owned());
+        other.frames[1].sha256 = None;
+        other.frames[0].image = Some("1.jpg".to_owned());
+        assert_eq!(matched(one.at(a), other.at(b)), [None]);
+        other.frames[0].sha256 = Some("AB".to_owned());
+        assert_eq!(matched(one.at(a), other.at(b)), [Some(0)]);
+        // By path as written: a copy of the project.
+        let one = document(&["images/1.jpg", "more/1.jpg"]);
+        assert_eq!(matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)), [Some(1), Some(0)]);
+        // By name, where it stands for one file only.
+        assert_eq!(matched(one.at(a), document(&["1.jpg"]).at(b)), [None, None]);
+        assert_eq!(matched(document(&["images/7.jpg"]).at(a), document(&["7.jpg"]).at(b)), [Some(0)]);
+    }
+
+    #[test]
+    fn a_video_frame_is_its_video_and_number() {
+        let mut one = Document::new(FieldSpec::new("soccer"));
+        for frame_index in [4, 5] {
+            let video = VideoFrame::new("match.mp4", frame_index, None);
+            one.frames.push(Frame::from_video(video, "main".into(), ImageSize::new(64, 48)).into());
+        }
+        let mut other = one.clone();
+        other.frames.remove(0);
+        assert_eq!(matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/a"))), [None, Some(0)]);
+        assert_eq!(matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))), [None, Some(0)]);
+    }
+}

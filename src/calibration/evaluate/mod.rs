@@ -1,0 +1,16 @@
+//! Two documents of the same frames against each other: an estimate against the truth, and two annotators.
+
+mod agreement;
+mod agreement_tables;
+mod evaluation;
+mod evaluation_tables;
+mod matching;
+
+pub use agreement::{
+    Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame, NameDispute, agreement,
+};
+pub use agreement_tables::{agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables};
+pub use evaluation::{
+    Evaluation, EvaluationError, FrameGroup, FrameResult, FrameScores, GroupKind, Measure, Unscored, evaluate,
+};
+pub use evaluation_tables::{evaluation_report, evaluation_tables, frame_scores};

@@ -1,0 +1,11 @@
+//! From a document, or from pictures alone, to calibrated cameras.
+//!
+//! | floor | rooms |
+//! |---|---|
+//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other) |
+//!
+//! Within floor 5, `evaluate` and `proposals` use `calibrate`.
+
+pub mod calibrate;
+pub mod evaluate;
+pub mod proposals;

@@ -1,0 +1,237 @@
+//! Where references look, and where one is missing.
+
+use std::ops::RangeInclusive;
+use touchline_core::camera::{CameraBase, PanTilt, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{Angle, AngleRange, ImageSize, Vec3};
+use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, Frame};
+
+/// The map's cells.
+const COLUMNS: usize = 30;
+const ROWS: usize = 8;
+
+/// The map shows this much more than the field, degrees.
+const MARGIN_DEG: f64 = 2.0;
+
+/// What lies this far beside the field counts as field, m.
+const BESIDE_M: f64 = 3.0;
+
+/// Where the references of a camera look, over pan and tilt of the rays from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// The camera.
+    pub camera: CameraId,
+    /// The pans from the map's left to its right border.
+    pub pan: AngleRange,
+    /// The map's lower and upper border, degrees of tilt.
+    pub tilt_deg: RangeInclusive<f64>,
+    /// Columns of the map.
+    pub columns: usize,
+    /// Its cells, row by row from the top.
+    pub cells: Vec<CoverageCell>,
+    /// The middle of the widest part of the field that no reference sees, degrees of pan; none where all is seen.
+    pub missing_pan_deg: Option<f64>,
+}
+
+/// A place of the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CoverageCell {
+    /// References that see it.
+    pub references: u32,
+    /// The field lies there.
+    pub field: bool,
+}
+
+impl Coverage {
+    /// Where the `training_frames` look, for each camera that has any, in the document's order. Cameras
+    /// without a base or a valid field are left out.
+    #[must_use]
+    pub fn of_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
+        let is_used = |camera: &Camera| {
+            let mut used = training_frames.iter().filter_map(|&index| document.frames.get(index));
+            used.any(|frame| frame.camera == camera.id)
+        };
+        let of_camera = |camera: &Camera| {
+            let field = camera.field.as_ref().unwrap_or(&document.field).model(document.folder).ok()?;
+            Self::of(&document, &field, &camera.id, training_frames)
+        };
+        let cameras = document.cameras.iter().map(|camera| &**camera);
+        cameras.filter(|camera| is_used(camera)).filter_map(of_camera).collect()
+    }
+
+    /// Where the `training_frames` of a camera look. None where the camera has no base.
+    #[must_use]
+    pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, training_frames: &[usize]) -> Option<Self> {
+        let base = document.camera(camera)?.base()?;
+        let outline = outline(field, &base);
+        let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?.extended(Angle::from_degrees(MARGIN_DEG));
+        let tilts = || outline.iter().map(|ray| ray.tilt.degrees());
+        let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
+        let seeing: Vec<Sight> = training_frames
+            .iter()
+            .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
+            .filter(|frame| frame.camera == *camera)
+            .filter_map(|frame| Sight::of(document, frame))
+            .collect();
+        let middle_of = |step: usize, steps: usize| (step as f64 + 0.5) / steps as f64;
+        let lower_deg = *tilt_deg.start();
+        let height_deg = tilt_deg.end() - lower_deg;
+        let cells = (0..ROWS)
+            .flat_map(|row| (0..COLUMNS).map(move |column| (row, column)))
+            .map(|(row, column)| {
+                let tilt_deg = lower_deg + middle_of(ROWS - 1 - row, ROWS) * height_deg;
+                let ray = PanTilt { pan: pan.at(middle_of(column, COLUMNS)), tilt: Angle::from_degrees(tilt_deg) };
+                let direction = ray.direction();
+                let seen = seeing.iter().filter(|sight| sight.shows(ray, &direction));
+                CoverageCell { references: seen.count() as u32, field: shows_field(field, &base, ray) }
+            })
+            .collect();
+        let mut coverage =
+            Self { camera: camera.clone(), pan, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
+        coverage.missing_pan_deg = coverage.widest_gap_deg();
+        Some(coverage)
+    }
+
+    /// How much a reference tells that sees this much of the field, from 0 to 1: all where none has seen it, and the nth at a
+    /// place an nth of it. None where the field does not lie there.
+    #[must_use]
+    pub fn novelty(&self, view: AngleRange) -> Option<f64> {
+        /// What a view shows less of a column than this is rounding.
+        const ROUNDING: f64 = 1e-9;
+        let columns = self.columns as f64;
+        let (middle, half) = (
+            self.pan.share(view.centre()) * columns,
+            0.5 * columns * (view.width().radians() / self.pan.width().radians()),
+        );
+        let first = (middle - half + ROUNDING).floor().max(0.0) as usize;
+        let last = (middle + half - ROUNDING).ceil().max(0.0) as usize;
+        let (mut told, mut places) = (0.0, 0_u32);
+        for row in self.cells.chunks(self.columns.max(1)) {
+            for cell in row.iter().take(last).skip(first).filter(|cell| cell.field) {
+                told += 1.0 / f64::from(cell.references + 1);
+                places += 1;
+            }
+        }
+        (places > 0).then(|| told / f64::from(places))
+    }
+
+    fn widest_gap_deg(&self) -> Option<f64> {
+        let is_gap = |column: &usize| {
+            let mut cells = self.cells.iter().skip(*column).step_by(self.columns).filter(|cell| cell.field).peekable();
+            cells.peek().is_some() && cells.all(|cell| cell.references == 0)
+        };
+        let gaps: Vec<usize> = (0..self.columns).filter(is_gap).collect();
+        let runs = gaps.chunk_by(|a, b| a + 1 == *b);
+        let widest = runs.rev().max_by_key(|run| run.len())?;
+        let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
+        Some(self.pan.at(middle).wrapped().degrees())
+    }
+}
+
+/// A frame that looks somewhere.
+struct Sight {
+    camera: PtzCamera,
+    image_size: ImageSize,
+    /// Where the middle of its picture looks.
+    middle: Vec3,
+    /// The cosine of the angle from there to the farthest corner: most rays are outside of it, and quickly told.
+    reach: f64,
+}
+
+impl Sight {
+    fn of(document: &Document, frame: &Frame) -> Option<Self> {
+        let camera = document.pointed(frame)?;
+        let image_size = frame.image_size;
+        let middle = camera.ray_from_image(image_size.centre()).ok()?.direction();
+        let corners = image_size.corners().into_iter();
+        let cosines =
+            corners.map(|corner| camera.ray_from_image(corner).map_or(-1.0, |ray| ray.direction().dot(&middle)));
+        let reach = cosines.fold(1.0, f64::min);
+        Some(Self { camera, image_size, middle, reach })
+    }
+
+    fn shows(&self, ray: PanTilt, direction: &Vec3) -> bool {
+        direction.dot(&self.middle) >= self.reach
+            && self.camera.image_from_ray(ray).is_ok_and(|image| self.image_size.contains(image))
+    }
+}
+
+/// The field's border as rays.
+fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
+    /// Points on each side.
+    const STEPS: i32 = 20;
+    let (x_m, y_m) = (field.length_m / 2.0, field.width_m / 2.0);
+    let along = (-STEPS..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
+    along
+        .flat_map(|t| [(t * x_m, -y_m), (t * x_m, y_m), (-x_m, t * y_m), (x_m, t * y_m)])
+        .map(|(x, y)| PanTilt::from_direction(base.base_from_world_point(Vec3::new(x, y, field.ground_z(y)))))
+        .collect()
+}
+
+fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
+    let direction = base.base_from_world.transpose() * ray.direction();
+    let distance = -base.position_m.z / direction.z;
+    let at = base.position_m + direction * distance;
+    distance > 0.0 && at.x.abs() <= field.length_m / 2.0 + BESIDE_M && at.y.abs() <= field.width_m / 2.0 + BESIDE_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, Ptz};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, FieldSpec, FramePtz};
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    /// Frames that look at some pans.
+    fn document(pans_deg: &[f64]) -> Document {
+        let down = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() };
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut main = Camera::new("main".into(), SIZE);
+        main.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), down.base_from_world(), SIZE.centre()));
+        document.cameras.push(main.into());
+        for pan_deg in pans_deg {
+            let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(*pan_deg, -10.0, 1800.0), None));
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn coverage(document: &Document, training_frames: &[usize]) -> Coverage {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        Coverage::of(document, &field, &"main".into(), training_frames).unwrap()
+    }
+
+    #[test]
+    fn what_many_references_see_is_hardly_new() {
+        let document = document(&[-40.0, -40.0, -40.0]);
+        let found = coverage(&document, &[0, 1, 2]);
+        let novelty = |from, upto| found.novelty(AngleRange::new(Angle::from_degrees(from), Angle::from_degrees(upto)));
+        assert_eq!(novelty(20.0, 40.0), Some(1.0));
+        let (known, partly) = (novelty(-41.0, -39.0).unwrap(), novelty(-40.0, 0.0).unwrap());
+        assert!((0.25..0.6).contains(&known) && known < partly && partly < 1.0, "{known} {partly}");
+        assert_eq!((novelty(90.0, 100.0), novelty(-170.0, -120.0)), (None, None));
+        let folder = std::path::Path::new("");
+        assert_eq!(Coverage::of_cameras(document.at(folder), &[0, 1, 2]), [found]);
+        assert_eq!(Coverage::of_cameras(document.at(folder), &[]), []);
+    }
+
+    #[test]
+    fn what_no_reference_sees_is_missing() {
+        let document = document(&[-40.0, -15.0, 10.0, 50.0, 30.0]);
+        let found = coverage(&document, &[0, 1, 2]);
+        assert_eq!(found.cells.len(), ROWS * COLUMNS);
+        let (left, right) = (found.pan.start().degrees(), found.pan.end().degrees());
+        assert!(left < -50.0 && right > 50.0, "{:?}", found.pan);
+        let missing = found.missing_pan_deg.unwrap();
+        assert!((30.0..60.0).contains(&missing), "{missing}");
+        let middle = coverage(&document, &[]).missing_pan_deg.unwrap();
+        assert!(middle.abs() < 3.0, "nothing is seen: begin in the middle, {middle}");
+        let seen: u32 = found.cells.iter().map(|cell| cell.references).sum();
+        assert!(seen > 0 && coverage(&document, &[]).cells.iter().all(|cell| cell.references == 0));
+        assert!(found.cells.iter().any(|cell| cell.field) && found.cells.iter().any(|cell| !cell.field));
+    }
+}

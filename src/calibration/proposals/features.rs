@@ -1,0 +1,186 @@
+//! The features of a document's frames.
+
+use super::picture::check_size;
+use super::{FeatureStore, PictureError, read_picture};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use touchline_documents::document::{Document, Frame};
+use touchline_vision::features::{FeatureKey, FeatureOptions, Features, extract};
+use touchline_vision::media::{FrameReader, Picture, ReadFrames, sha256_of_file};
+
+/// The pictures of a document's frames, and how features are looked for in them.
+#[derive(Clone, Copy)]
+pub struct FramePictures<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// Where its relative paths start.
+    pub folder: &'a Path,
+    /// How features are looked for.
+    pub options: FeatureOptions,
+    /// Features that were found before.
+    pub store: &'a FeatureStore,
+}
+
+/// The features of a frame.
+#[derive(Clone, Debug)]
+pub struct FrameFeatures {
+    /// Outside the masks of the frame and its camera.
+    pub features: Arc<Features>,
+    /// What finding them took, without reading the picture; or what looking them up took.
+    pub time: Duration,
+    /// The image file is not the one that the document knows.
+    pub changed: bool,
+}
+
+/// Frames taken at a time: at most this many pictures of a video lie in memory.
+const BATCH: usize = 16;
+
+/// A picture on its way: found before, or what is needed to look.
+enum Found {
+    Before(FrameFeatures),
+    Video(Result<Picture, PictureError>, Option<FeatureKey>),
+    Image,
+}
+
+impl FramePictures<'_> {
+    /// Hands the features of some frames to `work`, in parallel, a batch at a time; what it makes of them, in the frames'
+    /// order. Images are read in parallel, videos one frame after the other by `reader`. `work` may end it: none then.
+    pub fn each<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        work: impl Fn(usize, &Frame, Result<FrameFeatures, PictureError>) -> ControlFlow<(), T> + Sync,
+    ) -> Option<Vec<T>> {
+        let ended = AtomicBool::new(false);
+        let mut made = Vec::with_capacity(frames.len());
+        for batch in frames.chunks(BATCH) {
+            let mut begun = Vec::with_capacity(batch.len());
+            for &index in batch {
+                let frame = &*self.document.frames[index];
+                let found = if frame.image.is_some() { Found::Image } else { self.of_video(reader, frame) };
+                begun.push((index, frame, found));
+            }
+            let worked = begun.into_par_iter().map(|(index, frame, found)| {
+                if ended.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let worked = work(index, frame, self.features_of(frame, found));
+                if worked.is_break() {
+                    ended.store(true, Ordering::Relaxed);
+                }
+                worked.continue_value()
+            });
+            made.extend(worked.collect::<Option<Vec<T>>>()?);
+        }
+        Some(made)
+    }
+
+    /// Hands the pictures of some frames to `work`, each read once, in parallel, a batch at a time; what it makes of them, in the
+    /// frames' order. `work` may end it: none then.
+    pub(super) fn each_picture<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        work: impl Fn(usize, &Frame, Result<Picture, PictureError>) -> ControlFlow<(), T> + Sync,
+    ) -> Option<Vec<T>> {
+        let mut made = Vec::with_capacity(frames.len());
+        for batch in frames.chunks(BATCH) {
+            let mut begun = Vec::with_capacity(batch.len());
+            for &index in batch {
+                let frame = &*self.document.frames[index];
+                let of_video = frame.image.is_none().then(|| read_picture(reader, frame, self.folder));
+                begun.push((index, frame, of_video));
+            }
+            let worked = begun.into_par_iter().map(|(index, frame, of_video)| {
+                let picture = of_video.unwrap_or_else(|| read_picture(&mut FrameReader::new(), frame, self.folder));
+                work(index, frame, picture).continue_value()
+            });
+            made.extend(worked.collect::<Option<Vec<T>>>()?);
+        }
+        Some(made)
+    }
+
+    /// The features of a picture that was read, if they were not found before.
+    pub(super) fn features_in(&self, frame: &Frame, picture: &Picture) -> Result<Arc<Features>, PictureError> {
+        let identity = match frame.image_path(self.folder) {
+            Some(path) => Some(sha256_of_file(&path)?),
+            None => frame.picture_source(self.folder).and_then(|source| source.video_identity()),
+        };
+        let key = identity.map(|identity| self.key(frame, &identity));
+        if let Some(features) = key.as_ref().and_then(|key| self.store.get(key)) {
+            return Ok(features);
+        }
+        Ok(self.look(frame, picture, key.as_ref(), false)?.features)
+    }
+
+    fn features_of(&self, frame: &Frame, found: Found) -> Result<FrameFeatures, PictureError> {
+        match found {
+            Found::Before(features) => Ok(features),
+            Found::Video(picture, key) => self.look(frame, &picture?, key.as_ref(), false),
+            Found::Image => self.of_image(frame),
+        }
+    }
+
+    fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
+        let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
+        let sha256 = sha256_of_file(&path)?;
+        let changed = frame.sha256.as_ref().is_some_and(|stated| !stated.eq_ignore_ascii_case(&sha256));
+        let key = self.key(frame, &sha256);
+        if let Some(before) = self.before(frame, &key, &path.to_string_lossy(), changed)? {
+            return Ok(before);
+        }
+        // The picture is read for itself alone: no decoder stays open.
+        let picture = read_picture(&mut FrameReader::new(), frame, self.folder)?;
+        self.look(frame, &picture, Some(&key), changed)
+    }
+
+    fn of_video(&self, reader: &mut dyn ReadFrames, frame: &Frame) -> Found {
+        let key = frame.picture_source(self.folder).and_then(|source| source.video_identity());
+        let key = key.map(|identity| self.key(frame, &identity));
+        let before = key.as_ref().map(|key| self.before(frame, key, &frame.name(), false));
+        match before {
+            Some(Ok(Some(before))) => Found::Before(before),
+            Some(Err(error)) => Found::Video(Err(error), None),
+            Some(Ok(None)) | None => Found::Video(read_picture(reader, frame, self.folder), key),
+        }
+    }
+
+    /// Features that were found before.
+    fn before(
+        &self,
+        frame: &Frame,
+        key: &FeatureKey,
+        picture: &str,
+        changed: bool,
+    ) -> Result<Option<FrameFeatures>, PictureError> {
+        let start = Instant::now();
+        let Some(features) = self.store.get(key) else { return Ok(None) };
+        check_size(frame, picture, features.image_size)?;
+        Ok(Some(FrameFeatures { features, time: start.elapsed(), changed }))
+    }
+
+    fn look(
+        &self,
+        frame: &Frame,
+        picture: &Picture,
+        key: Option<&FeatureKey>,
+        changed: bool,
+    ) -> Result<FrameFeatures, PictureError> {
+        let start = Instant::now();
+        let features = extract(picture, &self.document.masks_of(frame), &self.options)?;
+        let time = start.elapsed();
+        let features = match key {
+            Some(key) => self.store.put(key, features),
+            None => Arc::new(features),
+        };
+        Ok(FrameFeatures { features, time, changed })
+    }
+
+    fn key(&self, frame: &Frame, picture: &str) -> FeatureKey {
+        FeatureKey::new(picture, &self.options, &self.document.masks_of(frame))
+    }
+}

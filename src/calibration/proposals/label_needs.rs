@@ -1,0 +1,284 @@
+//! Which frames need a label, and where they look: brought up to date from the frames that changed.
+//!
+//! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer. Where a frame without an answer
+//! looks, its solved neighbours in the shot tell.
+
+use super::needing_frames::{Look, Needing, NeedingFrames};
+use std::collections::{BTreeMap, BTreeSet};
+use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames};
+
+/// An answer that is right with this probability needs no further reference.
+pub const SURE: f64 = 0.9;
+
+/// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
+const BESIDE: usize = 2;
+
+/// The frames of a document that need a label.
+#[derive(Clone, Debug, Default)]
+pub struct LabelNeeds {
+    /// The frames as they were when they were looked at.
+    frames: Frames,
+    /// Frames without an answer.
+    pub(super) unanswered: usize,
+    /// Suggestions that the forest is not sure of: see [`SURE`].
+    pub(super) uncertain: usize,
+    shots: BTreeMap<ShotKey, Shot>,
+    /// Those of which is known where they look, by camera.
+    needing: BTreeMap<CameraId, NeedingFrames>,
+    edition: u64,
+}
+
+/// A camera and one of its shots; frames of a camera that belong to no shot are one.
+type ShotKey = (CameraId, Option<Clip>);
+
+/// The frames of a shot, by their places.
+#[derive(Clone, Debug, Default)]
+struct Shot {
+    /// How the solved ones look.
+    looks: BTreeMap<usize, Look>,
+    /// Those without an answer whose picture can be read.
+    unanswered: BTreeSet<usize>,
+    /// Of these, those of which nothing tells where they look.
+    unknown: BTreeSet<usize>,
+}
+
+impl LabelNeeds {
+    /// Those of a document.
+    pub fn of(document: &Document) -> Self {
+        Self::anew(&document.frames, 0)
+    }
+
+    /// Brings them up to date with a document.
+    pub fn update(&mut self, document: &Document) {
+        let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
+            *self = Self::anew(&document.frames, self.edition + 1);
+            return;
+        };
+        let before = std::mem::replace(&mut self.frames, document.frames.clone());
+        let mut concerned = BTreeSet::new();
+        for index in changed {
+            let [gone, come] = [&before[index], &document.frames[index]];
+            self.remove(index, gone);
+            self.add(index, come);
+            concerned.insert(index);
+            if shot_of(gone) != shot_of(come) || Look::of(gone) != Look::of(come) {
+                concerned.extend(self.told_by(gone, index));
+                concerned.extend(self.told_by(come, index));
+            }
+        }
+        for index in concerned {
+            self.settle(index);
+        }
+    }
+
+    /// Grows whenever another frame may be the one to label next.
+    pub const fn edition(&self) -> u64 {
+        self.edition
+    }
+
+    /// Those of which is known where they look, camera by camera.
+    pub(super) fn needing(&self) -> impl DoubleEndedIterator<Item = (&CameraId, &NeedingFrames)> {
+        self.needing.iter()
+    }
+
+    /// Of the shot with most of them, the frames of which nothing tells where they look. Of equals the shot where they begin first.
+    pub(super) fn unknown(&self) -> Option<&BTreeSet<usize>> {
+        let first = |shot: &&BTreeSet<usize>| std::cmp::Reverse(shot.first().copied());
+        let unknown = self.shots.values().map(|shot| &shot.unknown).filter(|unknown| !unknown.is_empty());
+        unknown.max_by_key(|shot| (shot.len(), first(shot)))
+    }
+
+    /// The camera of a frame.
+    pub(super) fn camera_of(&self, index: usize) -> Option<&CameraId> {
+        self.frames.get(index).map(|frame| &frame.camera)
+    }
+
+    fn anew(frames: &Frames, edition: u64) -> Self {
+        let mut needs = Self { frames: frames.clone(), edition, ..Self::default() };
+        for (index, frame) in frames.iter().enumerate() {
+            needs.add(index, frame);
+        }
+        for index in 0..frames.len() {
+            needs.settle(index);
+        }
+        needs
+    }
+
+    fn add(&mut self, index: usize, frame: &Frame) {
+        self.unanswered += usize::from(frame.is_unanswered());
+        self.uncertain += usize::from(is_uncertain(frame));
+        self.edition += u64::from(frame.is_unanswered() || is_uncertain(frame));
+        let shot = self.shots.entry(shot_of(frame)).or_default();
+        shot.looks.extend(Look::of(frame).map(|look| (index, look)));
+        shot.unanswered.extend(can_be_labelled(frame).then_some(index));
+    }
+
+    fn remove(&mut self, index: usize, frame: &Frame) {
+        self.unanswered -= usize::from(frame.is_unanswered());
+        self.uncertain -= usize::from(is_uncertain(frame));
+        self.edition += u64::from(frame.is_unanswered() || is_uncertain(frame));
+        if let Some(shot) = self.shots.get_mut(&shot_of(frame)) {
+            shot.looks.remove(&index);
+            shot.unanswered.remove(&index);
+            shot.unknown.remove(&index);
+        }
+        if let Some(needing) = self.needing.get_mut(&frame.camera) {
+            needing.put(index, None);
+        }
+    }
+
+    /// The frames without an answer that look as a frame of their shot tells.
+    fn told_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
+        let Some(shot) = self.shots.get(&shot_of(frame)) else { return Vec::new() };
+        let from = shot.looks.range(..index).next_back().map_or(0, |(before, _)| *before);
+        let to = shot.looks.range(index + 1..).next().map_or(usize::MAX, |(after, _)| *after);
+        shot.unanswered.range(from..to).copied().collect()
+    }
+
+    /// Finds out anew whether a frame needs a label, and where it looks.
+    fn settle(&mut self, index: usize) {
+        let frame = &*self.frames[index];
+        let Some(shot) = self.shots.get_mut(&shot_of(frame)) else { return };
+        let is_unanswered = shot.unanswered.contains(&index);
+        let found = if is_unanswered {
+            shot.between(index).map(|look| (look, 1.0))
+        } else {
+            doubt(frame).and_then(|doubt| Some((Look::of(frame)?, doubt)))
+        };
+        let is_unknown = is_unanswered && found.is_none();
+        let mut is_news = if is_unknown { shot.unknown.insert(index) } else { shot.unknown.remove(&index) };
+        let needing = found.map(|(look, need)| Needing { frame: index, look, need });
+        is_news |= self.needing.entry(frame.camera.clone()).or_default().put(index, needing);
+        self.edition += u64::from(is_news);
+    }
+}
+
+impl Shot {
+    /// How a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
+    fn between(&self, index: usize) -> Option<Look> {
+        let before = self.looks.range(..index).next_back();
+        let after = self.looks.range(index + 1..).next();
+        match (before, after) {
+            (Some((start, from)), Some((end, to))) => {
+                let share = (index - start) as f64 / (end - start) as f64;
+                Some(Look {
+                    pan: (from.pan + to.pan.turn_from(from.pan) * share).wrapped(),
+                    half_view: from.half_view + (to.half_view - from.half_view) * share,
+                })
+            }
+            (Some((place, look)), None) | (None, Some((place, look))) => {
+                (place.abs_diff(index) <= BESIDE).then_some(*look)
+            }
+            (None, None) => None,
+        }
+    }
+}
+
+fn shot_of(frame: &Frame) -> ShotKey {
+    (frame.camera.clone(), frame.clip.clone())
+}
+
+/// Whether it has no answer and its picture can be read.
+fn can_be_labelled(frame: &Frame) -> bool {
+    let mut warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
+    frame.is_unanswered() && warnings.all(|warning| warning.code != "picture")
+}
+
+/// Whether the forest is not sure of a frame's suggestion: see [`SURE`].
+#[must_use]
+pub fn is_uncertain(frame: &Frame) -> bool {
+    doubt(frame).is_some()
+}
+
+/// The probability that its suggestion is wrong; none where that is sure, or nobody says.
+fn doubt(frame: &Frame) -> Option<f64> {
+    let confidence = frame.solution.as_ref().filter(|_| frame.status == FrameStatus::Suggested)?.confidence?;
+    (confidence < SURE).then_some(1.0 - confidence.max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::proposals::needing_frames::Direction;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, FramePtz, Solution, SolutionSource};
+
+    /// Frames of two shots without an answer, and one solved frame in each.
+    fn document() -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for index in 0..24 {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), ImageSize::new(1280, 720));
+            frame.clip = Some(Clip::Number(index / 12));
+            match index % 12 {
+                4 => solve(&mut frame, index as f64),
+                _ => ask_in_vain(&mut frame),
+            }
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn solve(frame: &mut Frame, pan_deg: f64) {
+        frame.status = FrameStatus::Reference;
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 3630.0), None));
+        frame.solution = None;
+    }
+
+    fn ask_in_vain(frame: &mut Frame) {
+        (frame.status, frame.ptz) = (FrameStatus::New, None);
+        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+    }
+
+    /// Everything that it says, without the edition.
+    type Said = ([usize; 2], Vec<(i64, Direction)>, Option<BTreeSet<usize>>);
+
+    fn said(needs: &LabelNeeds) -> Said {
+        let directions = needs.needing().flat_map(|(_, needing)| needing.directions());
+        let directions = directions.map(|(to, direction)| (to, direction.clone())).collect();
+        ([needs.unanswered, needs.uncertain], directions, needs.unknown().cloned())
+    }
+
+    #[test]
+    fn brought_up_to_date_they_are_what_they_are_anew() {
+        let mut document = document();
+        let mut needs = LabelNeeds::of(&document);
+        let changes: [fn(&mut Document); 9] = [
+            |document| solve(&mut document.frames[9], 12.0),
+            |document| solve(&mut document.frames[9], 13.0),
+            |document| document.frames[4].status = FrameStatus::Rejected,
+            |document| document.frames[4].clip = Some(Clip::Number(1)),
+            |document| solve(&mut document.frames[4], 2.0),
+            |document| ask_in_vain(&mut document.frames[16]),
+            |document| document.frames[20].camera = "other".into(),
+            |document| {
+                solve(&mut document.frames[6], 3.0);
+                document.frames[6].status = FrameStatus::Suggested;
+                document.frames[6].solution = Some(Solution { confidence: Some(0.4), ..Solution::default() });
+            },
+            |document| {
+                document.frames.remove(1);
+            },
+        ];
+        for (number, change) in changes.into_iter().enumerate() {
+            let before = (said(&needs), needs.edition());
+            change(&mut document);
+            needs.update(&document);
+            assert_eq!(said(&needs), said(&LabelNeeds::of(&document)), "change {number}");
+            assert!(said(&needs) == before.0 || needs.edition() > before.1, "change {number} is told");
+        }
+    }
+
+    #[test]
+    fn what_changes_no_need_is_no_news() {
+        let mut document = document();
+        let mut needs = LabelNeeds::of(&document);
+        let before = needs.edition();
+        document.frames[4].comment = Some("rain".to_owned());
+        needs.update(&document);
+        assert_eq!(needs.edition(), before);
+        solve(&mut document.frames[4], 5.0);
+        needs.update(&document);
+        assert!(needs.edition() > before, "its neighbours look elsewhere");
+    }
+}

@@ -1,0 +1,199 @@
+//! From references to training samples, and the forest trained on them.
+
+use super::burnt_in::{leave_out_burnt_in, with_found_masks};
+use super::label::label_of;
+use super::{FoundMask, FrameFeatures, FramePictures, PictureError, TrainingSample};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use thiserror::Error;
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
+use touchline_documents::document::{CameraId, Document, Fields, Frame, Frames, WriteError, document_to_string};
+use touchline_vision::features::FeatureOptions;
+use touchline_vision::media::ReadFrames;
+use touchline_vision::relocalize::{
+    CameraForest, ForestModel, Label, Reference, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, aligned,
+    train,
+};
+
+/// Why a reference gives no training sample.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum TrainingSampleError {
+    /// It names a camera that the document lacks.
+    #[error("camera {camera:?} is not in the document")]
+    UnknownCamera {
+        /// The camera's name.
+        camera: String,
+    },
+    /// Where its camera stands is not known.
+    #[error("camera {camera:?} has no position or base rotation")]
+    NoBase {
+        /// The camera's name.
+        camera: String,
+    },
+    /// Nobody solved it.
+    #[error("this reference has no `ptz`; run `touchline solve` first")]
+    Unsolved,
+    /// Its image file is another one by now.
+    #[error("the image changed since it was labelled: the label is kept but not used for training")]
+    Changed,
+    /// Its picture or features cannot be had.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// How a forest is learnt.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LearnOptions {
+    /// How features are looked for.
+    pub features: FeatureOptions,
+    /// How the forest is trained.
+    pub train: TrainOptions,
+}
+
+/// Why there is no forest.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LearnError {
+    /// Training ended without one.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// The cameras cannot be written down.
+    #[error(transparent)]
+    Document(#[from] WriteError),
+}
+
+/// The training samples of a document's references.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Studied {
+    /// The samples, in the order of the references.
+    pub training_samples: Vec<TrainingSample>,
+    /// References that give none, by their places, and why.
+    pub failed: Vec<(usize, TrainingSampleError)>,
+    /// Graphics that are burnt into their pictures; what lies in them is left out.
+    pub burnt_in: Vec<FoundMask>,
+}
+
+/// Finds the features of references and the rays they show, in parallel. `progress` is called after each, from any thread, and
+/// may end it: none then.
+pub fn study(
+    pictures: &FramePictures<'_>,
+    reader: &mut dyn ReadFrames,
+    training_frames: &[usize],
+    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Option<Studied> {
+    let document = pictures.document;
+    // A field that is not valid leaves labels as well known as four clicks tell.
+    let fields = Fields::of(document.at(pictures.folder)).ok();
+    let training_samples = pictures.each(reader, training_frames, |index, frame, found| {
+        let field = fields.as_ref().map(|fields| &**fields.of_frame(document, frame));
+        let sample = found
+            .map_err(TrainingSampleError::from)
+            .and_then(|found| training_sample(document, field, (index, frame), &found));
+        progress()?;
+        ControlFlow::Continue((index, sample))
+    })?;
+    let mut studied = Studied::default();
+    for (index, sample) in training_samples {
+        match sample {
+            Ok(sample) => studied.training_samples.push(sample),
+            Err(error) => studied.failed.push((index, error)),
+        }
+    }
+    studied.burnt_in = leave_out_burnt_in(pictures.document, &mut studied.training_samples);
+    Some(studied)
+}
+
+fn training_sample(
+    document: &Document,
+    field: Option<&FieldModel>,
+    (index, frame): (usize, &Frame),
+    found: &FrameFeatures,
+) -> Result<TrainingSample, TrainingSampleError> {
+    let name = || frame.camera.as_str().to_owned();
+    let camera = document.camera_of(frame).ok_or_else(|| TrainingSampleError::UnknownCamera { camera: name() })?;
+    camera.base().ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
+    let pointed = camera.pointed(frame).ok_or(TrainingSampleError::Unsolved)?;
+    if found.changed {
+        return Err(TrainingSampleError::Changed);
+    }
+    let features = Arc::clone(&found.features);
+    let label = label_of(frame, field, &pointed);
+    Ok(TrainingSample::new((index, frame), &pointed, label, features))
+}
+
+/// The forests trained on references, one for each camera that has any, in the document's order. `progress` is called
+/// now and then from any thread, camera after camera, and may end it.
+///
+/// # Errors
+/// There is nothing to learn from, `progress` ended it, or the document's cameras cannot be written down.
+pub fn learn(
+    document: &Document,
+    studied: &Studied,
+    options: &LearnOptions,
+    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+) -> Result<ForestModel, LearnError> {
+    let training_samples = &studied.training_samples;
+    let mut cameras = Vec::new();
+    for camera in &document.cameras {
+        let of_camera = training_samples.iter().filter(|sample| sample.camera == camera.id);
+        let pointed = |sample: &TrainingSample| document.pointed(document.frames.get(sample.frame)?);
+        let of_camera = of_camera.filter_map(|sample| Some((sample, pointed(sample)?)));
+        cameras.extend(learn_camera(&camera.id, of_camera, &options.train, progress)?);
+    }
+    if cameras.is_empty() {
+        return Err(Stopped::NoSamples { frames: training_samples.len() }.into());
+    }
+    let document = with_found_masks(without_frames(document), &studied.burnt_in);
+    Ok(ForestModel { document: document_to_string(&document)?, features: options.features, cameras })
+}
+
+/// The forest of one camera, its references' labels made to fit each other; none where it has no training sample.
+///
+/// # Errors
+/// `progress` ended it, or there are too many samples.
+fn learn_camera<'a>(
+    camera: &CameraId,
+    training_samples: impl Iterator<Item = (&'a TrainingSample, PtzCamera)>,
+    options: &TrainOptions,
+    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+) -> Result<Option<CameraForest>, Stopped> {
+    let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) =
+        training_samples.filter(|(sample, _)| !sample.rays.is_empty()).unzip();
+    let references: Vec<Reference> = training_samples
+        .iter()
+        .zip(&cameras)
+        .map(|(sample, camera)| Reference { features: &sample.features, camera: *camera })
+        .collect();
+    let labels: Vec<Label> = training_samples.iter().map(|sample| sample.label).collect();
+    let (mut samples, mut seen, mut known) = (Samples::new(), Vec::new(), Vec::new());
+    for ((sample, camera), (ptz, covariance)) in
+        training_samples.iter().zip(&cameras).zip(aligned(&references, &labels))
+    {
+        sample.add_as_taken_by(&PtzCamera::new(*camera.base(), ptz), &mut samples);
+        seen.push(ptz);
+        known.push(covariance);
+    }
+    let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };
+    let seen = seen.with_labels(known);
+    let forest = train(&samples, options, progress)?;
+    Ok(Some(CameraForest { camera: camera.as_str().to_owned(), seen, forest }))
+}
+
+/// The document's field and cameras. A template of the user's own is kept by its file name: a forest holds no
+/// paths.
+fn without_frames(document: &Document) -> Document {
+    let mut kept =
+        Document { frames: Frames::new(), extra: touchline_documents::document::Extra::new(), ..document.clone() };
+    let of_cameras = kept.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
+    for field in of_cameras.filter_map(|camera| camera.field.as_mut()).chain([&mut kept.field]) {
+        if field.is_file()
+            && let Some(name) = Path::new(&field.template).file_name()
+        {
+            field.template = name.to_string_lossy().into_owned();
+        }
+    }
+    kept
+}

@@ -1,0 +1,77 @@
+//! From a document's references to proposed cameras: the training set, the forest, what it answers, and where to label next.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
+//! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
+//! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
+//! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
+//! | `Layered` | what the forest suggests, beside what people did; a document as a reader sees it |
+//! | [`LineEvidence`] | what the painted lines say about an answer |
+//! | `AskingOrder` | which frames the forest is asked for first |
+//! | `KeyWindow`, [`CarriedProposal`] | key frames of a video; the cameras carried from them to the frames between |
+//! | `TrainingSet` | what a forest was trained on |
+//! | [`measure`], [`Quality`] | references left out and asked for |
+//! | [`ExpectedWrong`] | how many of some answers are wrong |
+//! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
+//! | `find_suspects` | references whose labels contradict others |
+//! | [`UsedFeatures`] | what the forest made of a picture's features |
+//! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
+//!
+//! The window's trainer and the command line both live on this room; nothing here starts a thread.
+
+mod advice;
+mod asked;
+mod bases;
+mod burnt_in;
+mod carried;
+mod coverage;
+mod expected_wrong;
+mod features;
+mod find_burnt_in;
+mod key_frames;
+mod label;
+mod label_needs;
+mod layer;
+mod learning;
+mod line_evidence;
+mod needing_frames;
+mod order;
+mod picture;
+mod proposal;
+mod proposing;
+mod quality;
+mod spread;
+mod store;
+mod suggestions;
+mod suspects;
+mod training_frames;
+mod training_sample;
+mod training_set;
+mod used_features;
+
+pub use advice::{LabelAdvice, LabelNext, label_advice};
+pub use asked::Asked;
+pub use bases::{BaseMismatch, adopt_bases};
+pub use burnt_in::FoundMask;
+pub use carried::CarriedProposal;
+pub use coverage::{Coverage, CoverageCell};
+pub use expected_wrong::ExpectedWrong;
+pub use features::{FrameFeatures, FramePictures};
+pub use find_burnt_in::find_burnt_in;
+pub use key_frames::KeyWindow;
+pub use label_needs::{LabelNeeds, SURE, is_uncertain};
+pub use layer::{Layered, Offer};
+pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
+pub use line_evidence::LineEvidence;
+pub use order::AskingOrder;
+pub use picture::{PictureError, read_picture};
+pub use proposal::{Answer, NoProposal, Proposal, Timings};
+pub use proposing::propose;
+pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
+pub use store::{FeatureStore, WorkFolder};
+pub use suspects::{Suspect, find_suspects};
+pub use training_frames::TrainingFrames;
+pub use training_sample::TrainingSample;
+pub use training_set::TrainingSet;
+pub use used_features::{FeatureUse, UsedFeatures};

@@ -1,0 +1,143 @@
+//! The frames of a camera that need a label, by where they look: brought up to date frame by frame.
+
+use std::collections::BTreeMap;
+use touchline_core::geometry::Angle;
+use touchline_documents::document::{Frame, FrameStatus};
+
+/// Directions are this far apart in pan, degrees.
+pub(super) const DIRECTION_DEG: f64 = 1.0;
+
+/// How a frame looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Look {
+    pub(super) pan: Angle,
+    pub(super) half_view: Angle,
+}
+
+/// A frame that needs a label somewhere near where it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Needing {
+    pub(super) frame: usize,
+    pub(super) look: Look,
+    /// From 0 to 1: how unsure its answer is.
+    pub(super) need: f64,
+}
+
+/// Frames of a camera that need a label, of which is known where they look.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NeedingFrames {
+    /// Where each looks, by its place in the document: see [`Look::direction`].
+    frames: BTreeMap<usize, i64>,
+    directions: BTreeMap<i64, Direction>,
+}
+
+/// The frames that look one way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Direction {
+    /// By their places in the document.
+    frames: BTreeMap<usize, Needing>,
+    /// The sum of their needs. Whole numbers, in parts of [`PARTS`]: what frames came and went does not show in it.
+    need: u64,
+    /// The sum of half their views, degrees, each as often as its need.
+    half_view_deg: u64,
+}
+
+/// Sums are counted in parts of this size: exact to 10⁻⁹, without overflow for a hundred million frames.
+const PARTS: f64 = (1 << 30) as f64;
+
+impl NeedingFrames {
+    /// Puts a frame's need in its place, or takes it out; whether it was another one before.
+    pub(super) fn put(&mut self, index: usize, needing: Option<Needing>) -> bool {
+        let to = self.frames.get(&index).copied();
+        let known = to.and_then(|to| Some((to, *self.directions.get(&to)?.frames.get(&index)?)));
+        if known.map(|(_, known)| known) == needing {
+            return false;
+        }
+        if let Some((to, known)) = known {
+            self.frames.remove(&index);
+            if let Some(direction) = self.directions.get_mut(&to) {
+                direction.frames.remove(&index);
+                direction.need -= known.need_parts();
+                direction.half_view_deg -= known.half_view_parts();
+                if direction.frames.is_empty() {
+                    self.directions.remove(&to);
+                }
+            }
+        }
+        if let Some(needing) = needing {
+            let to = needing.look.direction();
+            self.frames.insert(index, to);
+            let direction = self.directions.entry(to).or_default();
+            direction.frames.insert(index, needing);
+            direction.need += needing.need_parts();
+            direction.half_view_deg += needing.half_view_parts();
+        }
+        true
+    }
+
+    /// The directions in which some look, ascending.
+    pub(super) fn directions(&self) -> impl Iterator<Item = (i64, &Direction)> {
+        self.directions.iter().map(|(&to, direction)| (to, direction))
+    }
+
+    /// Of those that look one way and need a label most, the one in the middle of the document's order.
+    pub(super) fn neediest(&self, to: i64) -> Option<&Needing> {
+        let here = || self.directions.get(&to).into_iter().flat_map(|direction| direction.frames.values());
+        let most = here().map(|needing| needing.need).max_by(f64::total_cmp)?;
+        let neediest: Vec<&Needing> = here().filter(|needing| needing.need == most).collect();
+        neediest.get(neediest.len() / 2).copied()
+    }
+
+    /// How many look at most so far from a pan.
+    pub(super) fn within(&self, pan: Angle, reach: Angle) -> usize {
+        let half = Angle::from_degrees(DIRECTION_DEG / 2.0);
+        let apart = |other: Angle| other.turn_from(pan).abs();
+        let count = |(&to, direction): (&i64, &Direction)| match apart(Look::towards(to)) {
+            all if all + half <= reach => direction.frames.len(),
+            none if none - half > reach => 0,
+            _ => direction.frames.values().filter(|needing| apart(needing.look.pan) <= reach).count(),
+        };
+        self.directions.iter().map(count).sum()
+    }
+}
+
+impl Direction {
+    /// The sum of what its frames need.
+    pub(super) fn need(&self) -> f64 {
+        self.need as f64 / PARTS
+    }
+
+    /// Half the view of its frames, on average by what they need.
+    pub(super) fn half_view(&self) -> Angle {
+        Angle::from_degrees(self.half_view_deg as f64 / self.need.max(1) as f64)
+    }
+}
+
+impl Needing {
+    fn need_parts(&self) -> u64 {
+        (self.need * PARTS).round() as u64
+    }
+
+    fn half_view_parts(&self) -> u64 {
+        (self.need * self.look.half_view.degrees() * PARTS).round() as u64
+    }
+}
+
+impl Look {
+    /// How a solved frame looks.
+    pub fn of(frame: &Frame) -> Option<Self> {
+        let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
+        let half_view = Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
+        Some(Self { pan: ptz.ptz().pan.wrapped(), half_view })
+    }
+
+    /// The direction it looks in: its pan in whole steps of [`DIRECTION_DEG`].
+    fn direction(&self) -> i64 {
+        (self.pan.degrees() / DIRECTION_DEG).round() as i64
+    }
+
+    /// The middle of a direction.
+    pub(super) fn towards(direction: i64) -> Angle {
+        Angle::from_degrees(direction as f64 * DIRECTION_DEG)
+    }
+}

@@ -1,0 +1,97 @@
+//! Which frames the forest is asked for first.
+
+use touchline_documents::document::{Document, shots};
+
+/// This many frames on either side of the current one come before anything else.
+const NEAR: usize = 8;
+
+/// A shot longer than this counts as several, and so does a recording that nobody cut into shots.
+const LONGEST_SHOT: usize = 250;
+
+/// Frames in the order in which the forest is to be asked for them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AskingOrder {
+    /// The neighbours of the current frame in its shot, then one frame of each shot that has none yet.
+    pub first: Vec<usize>,
+    /// All others.
+    pub rest: Vec<usize>,
+}
+
+impl AskingOrder {
+    /// The order of the frames that are `wanted`, seen from the current one: what is near comes early.
+    #[must_use]
+    pub fn of(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
+        let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();
+        let distance = |index: &usize| (index.abs_diff(current), *index);
+        let mut taken = vec![false; is_wanted.len()];
+        let mut order = Self::default();
+        let shots = shots(document);
+
+        if let Some((shot, at)) = shots.iter().find_map(|shot| Some((shot, shot.binary_search(&current).ok()?))) {
+            let near = &shot[at.saturating_sub(NEAR)..(at + NEAR + 1).min(shot.len())];
+            order.first.extend(near.iter().filter(|&&index| is_wanted[index]));
+            order.first.sort_by_key(distance);
+            for &index in &order.first {
+                taken[index] = true;
+            }
+        }
+        // The middle of a shot is least likely to lie in a blend.
+        let mut one_a_shot: Vec<usize> = shots
+            .iter()
+            .flat_map(|shot| shot.chunks(LONGEST_SHOT))
+            .filter(|shot| shot.iter().all(|&index| is_wanted[index] && !taken[index]))
+            .map(|shot| shot[shot.len() / 2])
+            .collect();
+        one_a_shot.sort_by_key(distance);
+        for &index in &one_a_shot {
+            taken[index] = true;
+        }
+        order.first.extend(one_a_shot);
+        order.rest = (0..is_wanted.len()).filter(|&index| is_wanted[index] && !taken[index]).collect();
+        order.rest.sort_by_key(distance);
+        order
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Clip, FieldSpec, Frame};
+
+    /// Shots of some lengths, one after the other.
+    fn document(lengths: &[usize]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for (shot, &length) in lengths.iter().enumerate() {
+            for _ in 0..length {
+                let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+                frame.clip = Some(Clip::Number(shot as i64));
+                document.frames.push(frame.into());
+            }
+        }
+        document
+    }
+
+    #[test]
+    fn neighbours_first_then_one_of_each_shot_then_the_rest() {
+        let document = document(&[5, 30, 5, 5]);
+        let order = AskingOrder::of(&document, 20, |index| index != 20 && index != 36);
+        assert_eq!(order.first[..4], [19, 21, 18, 22]);
+        assert_eq!(order.first[16..], [2, 42], "shot 2 has an answer already, shot 1 is the current one");
+        assert_eq!(order.rest[..2], [11, 29]);
+        assert_eq!(order.first.len() + order.rest.len(), 43, "every wanted frame once");
+        let mut all: Vec<_> = order.first.into_iter().chain(order.rest).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 43);
+    }
+
+    #[test]
+    fn a_recording_without_shots_is_sampled() {
+        let document = document(&[1000]);
+        let order = AskingOrder::of(&document, 0, |_| true);
+        assert_eq!(order.first[9..], [375, 625, 875]);
+        assert_eq!(AskingOrder::of(&document, 0, |_| false), AskingOrder::default());
+        assert_eq!(AskingOrder::of(&Document::new(FieldSpec::new("soccer")), 7, |_| true), AskingOrder::default());
+    }
+}

@@ -1,0 +1,207 @@
+//! A proposed camera as plain data: for which frame, by which forest, what it is or why there is none.
+
+use super::{Asked, Offer, PictureError};
+use crate::calibrate::paint_evidence;
+use std::time::Duration;
+use thiserror::Error;
+use touchline_core::geometry::Mat3;
+use touchline_documents::document::{
+    Document, Frame, FrameId, FramePtz, Solution, SolutionSource, SolutionWarning, Suggestion, TimingsMs,
+};
+use touchline_vision::paint::LineCheck;
+use touchline_vision::relocalize::{Evidence, NotFound};
+
+/// What the forest answers for a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// The frame that was asked for.
+    pub frame: FrameId,
+    /// What was asked, by which a stale answer is known.
+    pub asked: Asked,
+    /// Which forest answered: later ones have greater numbers.
+    pub generation: u64,
+    /// The camera, or why there is none.
+    pub outcome: Result<Answer, NoProposal>,
+    /// What it took.
+    pub timings: Timings,
+}
+
+/// A camera that the forest proposes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// Pan, tilt and focal length as documents have them.
+    pub ptz: FramePtz,
+    /// Covariance of (pan deg, tilt deg, focal px).
+    pub covariance: Mat3,
+    /// The same with the base taken as exact.
+    pub own_covariance: Mat3,
+    /// Root mean square of the agreeing features' distances, px.
+    pub rms_px: f64,
+    /// 1-σ of the overlay at the worst corner of the picture, px.
+    pub worst_corner_sigma_px: f64,
+    /// The probability that the overlay is right within 10 px at 1920 px width.
+    pub confidence: f64,
+    /// Features that agree.
+    pub inliers: usize,
+    /// In how many places of the picture.
+    pub places: usize,
+    /// What speaks for it besides the painted lines.
+    pub evidence: Evidence,
+    /// What the painted lines say about it, where they were asked.
+    pub line_check: Option<LineCheck>,
+    /// Where it was snapped to the painted lines: how many samples of them took part.
+    pub samples: Option<usize>,
+}
+
+/// Why there is no proposal.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum NoProposal {
+    /// The forest does not know.
+    #[error(transparent)]
+    NotFound(#[from] NotFound),
+    /// The forest has no reference of this camera.
+    #[error("the forest has no references of camera {camera:?}")]
+    NoReferences {
+        /// The camera's name.
+        camera: String,
+    },
+    /// Where its camera stands is not known.
+    #[error("its camera {camera:?} has no base")]
+    NoBase {
+        /// The camera's name.
+        camera: String,
+    },
+    /// The painted lines are elsewhere.
+    #[error(
+        "the painted lines are not where the camera that was found puts them (paint at {found} of {open} open places)"
+    )]
+    Contradicted {
+        /// Places of the lines that show paint.
+        found: usize,
+        /// Places of the lines that show paint or bare ground.
+        open: usize,
+    },
+    /// The picture or its features cannot be had.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// An internal error of this program.
+    #[error("internal error (please report it): {message}")]
+    Panicked {
+        /// The panic's message.
+        message: String,
+    },
+}
+
+/// What an answer took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timings {
+    /// Finding the features, without reading the picture.
+    pub features: Duration,
+    /// Asking the forest.
+    pub predict: Duration,
+    /// Finding the pose.
+    pub pose: Duration,
+}
+
+#[cfg(any(test, feature = "testing"))]
+impl Answer {
+    /// A good answer for a test: a camera at this pan.
+    #[must_use]
+    pub fn at_pan(pan_deg: f64, confidence: f64) -> Self {
+        Self {
+            ptz: FramePtz::new(touchline_core::camera::Ptz::from_degrees(pan_deg, -9.0, 900.0), None),
+            covariance: Mat3::identity(),
+            own_covariance: Mat3::identity(),
+            rms_px: 1.0,
+            worst_corner_sigma_px: 2.0,
+            confidence,
+            inliers: 50,
+            places: 20,
+            evidence: Evidence {
+                breadth_px: 200.0,
+                features_sigma_px: 0.5,
+                labelled_sigma_px: 2.0,
+                from_reference: touchline_vision::relocalize::FromReference::default(),
+                at_most: 1.0,
+            },
+            line_check: None,
+            samples: None,
+        }
+    }
+}
+
+impl NoProposal {
+    /// The code of the warning in documents.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::NotFound(reason) => reason.code(),
+            Self::NoReferences { .. } => "coverage",
+            Self::NoBase { .. } => "no_base",
+            Self::Contradicted { .. } => "line_check",
+            Self::Picture(_) => "picture",
+            Self::Panicked { .. } => "failed",
+        }
+    }
+}
+
+impl Proposal {
+    /// None for a frame, and why.
+    #[must_use]
+    pub fn without_answer(document: &Document, index: usize, generation: u64, reason: NoProposal) -> Self {
+        let frame = &document.frames[index];
+        let asked = Asked::of(document, frame);
+        Self { frame: frame.id.clone(), asked, generation, outcome: Err(reason), timings: Timings::default() }
+    }
+
+    /// What it suggests for its frame: a camera, or none and the reason among the warnings.
+    pub(super) fn suggestion(&self) -> Suggestion {
+        let timings_ms = Some(TimingsMs::from(self.timings));
+        let solution = Solution { source: Some(SolutionSource::Forest), timings_ms, ..Solution::default() };
+        let (ptz, solution) = match &self.outcome {
+            Ok(answer) => {
+                let solution = Solution {
+                    covariance: Some(answer.covariance),
+                    own_covariance: Some(answer.own_covariance),
+                    rms_px: Some(answer.rms_px),
+                    worst_corner_sigma_px: Some(answer.worst_corner_sigma_px),
+                    confidence: Some(answer.confidence),
+                    samples: answer.samples,
+                    line_check: answer.line_check.as_ref().map(paint_evidence),
+                    ..solution
+                };
+                (Some(answer.ptz.clone()), solution)
+            }
+            Err(reason) => {
+                let warnings = vec![SolutionWarning::new(reason.code(), reason.to_string())];
+                (None, Solution { warnings, ..solution })
+            }
+        };
+        Suggestion { revision: self.asked.revision, base: self.asked.base, ptz, solution: Some(solution) }
+    }
+
+    /// The same for the layer of suggestions; none without a base: nothing was asked, and there is nothing to say about the frame.
+    #[must_use]
+    pub fn offer(&self) -> Option<Offer<'_>> {
+        let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
+        is_answer.then(|| Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion() })
+    }
+
+    /// Writes the answer into its frame, as a file has it.
+    pub fn record(&self, frame: &mut Frame) {
+        self.suggestion().show_in(frame);
+    }
+}
+
+impl From<Timings> for TimingsMs {
+    fn from(timings: Timings) -> Self {
+        let milliseconds = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
+        Self {
+            features: milliseconds(timings.features),
+            predict: milliseconds(timings.predict),
+            pose: milliseconds(timings.pose),
+            ..Self::default()
+        }
+    }
+}

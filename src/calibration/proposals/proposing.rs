@@ -1,0 +1,50 @@
+//! The forest asked for a frame.
+
+use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
+use touchline_core::camera::CameraBase;
+use touchline_core::geometry::ImageSize;
+use touchline_documents::document::{Document, FramePtz};
+use touchline_vision::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
+
+/// What the forest says of a frame with these features, if they could be had.
+#[must_use]
+pub fn propose(
+    document: &Document,
+    index: usize,
+    found: Result<FrameFeatures, PictureError>,
+    (model, generation): (&ForestModel, u64),
+    options: &RelocalizeOptions,
+) -> Proposal {
+    let frame = &*document.frames[index];
+    let asked = Asked::of(document, frame);
+    let mut timings = Timings::default();
+    let outcome = found.map_err(NoProposal::from).and_then(|found| {
+        timings.features = found.time;
+        let camera = || frame.camera.as_str().to_owned();
+        let forest =
+            model.camera(frame.camera.as_str()).ok_or_else(|| NoProposal::NoReferences { camera: camera() })?;
+        let base = asked.base.ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
+        let Relocalized { pose, predict_time, pose_time } =
+            relocalize(&found.features, &forest.forest, &forest.seen, &base, options);
+        (timings.predict, timings.pose) = (predict_time, pose_time);
+        Ok(answer(&pose?, &base, frame.image_size))
+    });
+    Proposal { frame: frame.id.clone(), asked, generation, outcome, timings }
+}
+
+fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {
+    let lens = Some(base.distortion.radial_at(pose.ptz.focal_px)).filter(|lens| !lens.is_none());
+    Answer {
+        ptz: FramePtz::new(pose.ptz, lens),
+        covariance: pose.covariance,
+        own_covariance: pose.own_covariance,
+        rms_px: pose.rms_px,
+        worst_corner_sigma_px: pose.worst_corner_sigma_px,
+        confidence: pose.confidence,
+        inliers: pose.inliers.len(),
+        places: pose.places,
+        evidence: pose.evidence(image_size),
+        line_check: None,
+        samples: None,
+    }
+}

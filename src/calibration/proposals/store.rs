@@ -1,0 +1,229 @@
+//! Features once found: on disk beside the document, and the latest in memory.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use touchline_core::files::refuse_linked_folder;
+use touchline_vision::features::{FeatureCache, FeatureKey, Features};
+
+/// The hidden folder beside a document that holds what can be made again.
+const WORK_FOLDER: &str = ".touchline";
+
+/// What features take on disk at most, bytes: some 13,000 pictures of 1000 features.
+const DISK_BYTES: u64 = 2 << 30;
+
+/// What features take in memory at most, bytes: some 1,700 pictures of 1000 features.
+const MEMORY_BYTES: usize = 256 << 20;
+
+/// Where what can be made again is kept: a hidden folder beside the document. It may be deleted at any time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WorkFolder {
+    folder: PathBuf,
+    document: String,
+}
+
+impl WorkFolder {
+    /// The folder beside a document's file.
+    #[must_use]
+    pub fn beside(document: &Path) -> Self {
+        let name = document.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Self { folder: document.with_file_name(WORK_FOLDER), document: name }
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The forest of the document. Two documents in one folder have one each.
+    #[must_use]
+    pub fn forest(&self) -> PathBuf {
+        self.folder.join(format!("{}.forest", self.document))
+    }
+
+    /// The features of pictures; documents in one folder share them.
+    ///
+    /// # Errors
+    /// As [`refuse_links`](Self::refuse_links).
+    pub fn features(&self) -> io::Result<FeatureCache> {
+        self.refuse_links()?;
+        Ok(FeatureCache::new(&self.features_folder(), DISK_BYTES))
+    }
+
+    /// Refuses a hidden folder that came with a received project and leads elsewhere; to be asked before anything is
+    /// written into it.
+    ///
+    /// # Errors
+    /// The folder, or the one for features in it, is a link or no folder.
+    pub fn refuse_links(&self) -> io::Result<()> {
+        refuse_linked_folder(&self.folder)?;
+        refuse_linked_folder(&self.features_folder())
+    }
+
+    fn features_folder(&self) -> PathBuf {
+        self.folder.join("features")
+    }
+}
+
+/// Features once found. The disk is used as long as it takes them; memory holds the latest within a bound.
+#[derive(Debug, Default)]
+pub struct FeatureStore {
+    disk: Option<FeatureCache>,
+    shelf: Mutex<Shelf>,
+}
+
+#[derive(Debug, Default)]
+struct Shelf {
+    held: BTreeMap<FeatureKey, Arc<Features>>,
+    /// The oldest first.
+    order: VecDeque<FeatureKey>,
+    bytes: usize,
+    /// Why the disk took something not, the first time.
+    refused: Option<String>,
+}
+
+impl FeatureStore {
+    /// Features in memory alone.
+    #[must_use]
+    pub fn in_memory() -> Self {
+        Self::default()
+    }
+
+    /// Features beside a document.
+    #[must_use]
+    pub fn on_disk(place: &WorkFolder) -> Self {
+        let (disk, refused) = match place.features() {
+            Ok(disk) => (Some(disk), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        Self { disk, shelf: Mutex::new(Shelf { refused, ..Shelf::default() }) }
+    }
+
+    /// Features that were found before.
+    #[must_use]
+    pub fn get(&self, key: &FeatureKey) -> Option<Arc<Features>> {
+        if let Some(features) = self.shelf().held.get(key) {
+            return Some(Arc::clone(features));
+        }
+        let features = Arc::new(self.disk.as_ref()?.get(key)?);
+        self.shelf().put(key, &features);
+        Some(features)
+    }
+
+    /// Keeps features.
+    pub fn put(&self, key: &FeatureKey, features: Features) -> Arc<Features> {
+        let features = Arc::new(features);
+        let refused = self.disk.as_ref().filter(|_| self.shelf().refused.is_none());
+        let refused = refused.and_then(|disk| disk.put(key, &features).err());
+        let mut shelf = self.shelf();
+        shelf.put(key, &features);
+        if let Some(error) = refused {
+            shelf.refused = Some(error.to_string());
+        }
+        features
+    }
+
+    /// Why the disk takes no features, if it does not: they are found again the next time.
+    #[must_use]
+    pub fn refusal(&self) -> Option<String> {
+        self.shelf().refused.clone()
+    }
+
+    /// Nobody can panic with the lock held.
+    fn shelf(&self) -> MutexGuard<'_, Shelf> {
+        self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Shelf {
+    fn put(&mut self, key: &FeatureKey, features: &Arc<Features>) {
+        if self.held.contains_key(key) {
+            return;
+        }
+        self.bytes += bytes_of(features);
+        self.order.push_back(key.clone());
+        self.held.insert(key.clone(), Arc::clone(features));
+        while self.bytes > MEMORY_BYTES {
+            let Some(oldest) = self.order.pop_front() else { break };
+            self.bytes -= self.held.remove(&oldest).map_or(0, |features| bytes_of(&features));
+        }
+    }
+}
+
+fn bytes_of(features: &Features) -> usize {
+    size_of_val(&features.keypoints[..]) + size_of_val(&features.descriptors[..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImagePoint;
+    use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Keypoint};
+
+    fn features(count: usize) -> Features {
+        let keypoint = Keypoint { point: ImagePoint::new(1.0, 2.0), size_px: 3.0, strength: 4.0 };
+        Features {
+            keypoints: vec![keypoint; count],
+            descriptors: vec![Descriptor([7; DESCRIPTOR_BYTES]); count],
+            ..Features::default()
+        }
+    }
+
+    fn key(name: &str) -> FeatureKey {
+        FeatureKey::new(name, &FeatureOptions::default(), &[])
+    }
+
+    #[test]
+    fn features_outlive_the_program_beside_the_document() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = WorkFolder::beside(&place.path().join("project.json"));
+        FeatureStore::on_disk(&folder).put(&key("a"), features(3));
+        let later = FeatureStore::on_disk(&folder);
+        assert_eq!(later.get(&key("a")).as_deref(), Some(&features(3)));
+        assert_eq!(later.get(&key("b")), None);
+        assert_eq!(later.refusal(), None);
+        assert_eq!(folder.forest(), place.path().join(".touchline/project.json.forest"));
+    }
+
+    #[test]
+    fn where_nothing_can_be_written_memory_serves() {
+        let place = tempfile::tempdir().unwrap();
+        // A file where the folder should be refuses everybody, the superuser too.
+        std::fs::write(place.path().join(WORK_FOLDER), "").unwrap();
+        let store = FeatureStore::on_disk(&WorkFolder::beside(&place.path().join("project.json")));
+        store.put(&key("a"), features(2));
+        assert!(store.refusal().is_some());
+        assert_eq!(store.get(&key("a")).as_deref(), Some(&features(2)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_linked_folder_is_not_written_to() {
+        let place = tempfile::tempdir().unwrap();
+        for linked in [WORK_FOLDER, ".touchline/features"] {
+            let project = tempfile::tempdir_in(place.path()).unwrap();
+            let elsewhere = tempfile::tempdir_in(place.path()).unwrap();
+            std::fs::create_dir_all(project.path().join(linked).parent().unwrap()).unwrap();
+            std::os::unix::fs::symlink(elsewhere.path(), project.path().join(linked)).unwrap();
+            let folder = WorkFolder::beside(&project.path().join("project.json"));
+            let store = FeatureStore::on_disk(&folder);
+            store.put(&key("a"), features(2));
+            assert!(store.refusal().unwrap().contains("is a symbolic link, not a folder"), "{linked}");
+            assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0, "{linked}");
+        }
+    }
+
+    #[test]
+    fn memory_is_bounded_and_the_oldest_goes_first() {
+        let store = FeatureStore::in_memory();
+        let large = MEMORY_BYTES / bytes_of(&features(1)) / 3;
+        for name in ["a", "b", "c", "d"] {
+            store.put(&key(name), features(large));
+        }
+        assert_eq!(store.get(&key("a")), None);
+        assert!(store.get(&key("b")).is_some() && store.get(&key("d")).is_some());
+        assert!(store.shelf().bytes <= MEMORY_BYTES);
+    }
+}

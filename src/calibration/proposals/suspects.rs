@@ -1,0 +1,68 @@
+//! References whose labels contradict others.
+
+use super::{FramePictures, Studied, TrainingSample, study};
+use std::cmp::Reverse;
+use std::ops::ControlFlow;
+use touchline_core::geometry::{Angle, AngleRange};
+use touchline_documents::document::{Document, FrameId};
+use touchline_vision::media::ReadFrames;
+use touchline_vision::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
+
+/// How many references, next to each other by pan, are compared at a time: the features of no more are held.
+const TOGETHER: usize = 100;
+
+/// A reference to look at: without it no label would contradict another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suspect {
+    /// Which frame.
+    pub frame: FrameId,
+    /// How many references contradict it.
+    pub contradicted_by: usize,
+    /// By how much its overlay lies off from where they say it is, at most, px at 1920 px width.
+    pub disagreement_px: f64,
+}
+
+/// The training frames to look at, the most contradicted first. `progress` is called now and then from any thread, and may end it:
+/// none then.
+pub fn find_suspects(
+    pictures: &FramePictures<'_>,
+    reader: &mut dyn ReadFrames,
+    training_frames: &[usize],
+    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Option<Vec<Suspect>> {
+    let document = pictures.document;
+    let mut found = Vec::new();
+    for camera in &document.cameras {
+        let of_camera = training_frames
+            .iter()
+            .map(|&index| (index, &*document.frames[index]))
+            .filter(|(_, frame)| frame.camera == camera.id)
+            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)));
+        let (pans, of_camera): (Vec<Angle>, Vec<usize>) = of_camera.unzip();
+        let of_camera: Vec<usize> =
+            AngleRange::along_smallest(&pans).into_iter().map(|place| of_camera[place]).collect();
+        for together in of_camera.chunks(TOGETHER) {
+            let Studied { training_samples, .. } = study(pictures, reader, together, progress)?;
+            found.extend(suspects_among(document, &training_samples));
+        }
+    }
+    found.sort_by_key(|(index, suspect)| (Reverse(suspect.contradicted_by), *index));
+    Some(found.into_iter().map(|(_, suspect)| suspect).collect())
+}
+
+/// The suspects among references, each with its place in the document.
+fn suspects_among(document: &Document, training_samples: &[TrainingSample]) -> Vec<(usize, Suspect)> {
+    let pointed = training_samples.iter().filter_map(|sample| {
+        let camera = document.pointed(document.frames.get(sample.frame)?)?;
+        Some((sample.frame, Reference { features: &sample.features, camera }))
+    });
+    let (frames, references): (Vec<usize>, Vec<Reference>) = pointed.unzip();
+    let found = contradictions(&references, &ContradictionOptions::default());
+    let suspect = |index: usize| {
+        let mut against = found.iter().filter(|contradiction| contradiction.references.contains(&index)).peekable();
+        let disagreement_px = against.peek().map_or(0.0, |greatest| greatest.disagreement_px);
+        let frame = document.frames[frames[index]].id.clone();
+        (frames[index], Suspect { frame, contradicted_by: against.count(), disagreement_px })
+    };
+    suspects(&found).into_iter().map(suspect).collect()
+}

@@ -1,0 +1,99 @@
+//! What a forest is trained on: it tells whether the forest has to be trained again.
+
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use touchline_core::geometry::hex;
+use touchline_documents::document::{CameraId, Document};
+
+/// Everything about the references that the forest depends on: their pictures, masks and cameras.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TrainingSet {
+    training_samples: BTreeSet<[u8; 16]>,
+}
+
+impl TrainingSet {
+    /// The training set that some frames of a document make.
+    #[must_use]
+    pub fn of(document: &Document, training_frames: &[usize]) -> Self {
+        let mut cameras = BTreeMap::<&CameraId, String>::new();
+        let mut training_samples = BTreeSet::new();
+        for frame in training_frames.iter().filter_map(|&index| document.frames.get(index)) {
+            let camera = cameras.entry(&frame.camera).or_insert_with(|| {
+                document.camera_of(frame).and_then(|camera| serde_json::to_string(camera).ok()).unwrap_or_default()
+            });
+            let masks: Vec<[f64; 4]> = frame.masks.iter().map(|m| [m.x, m.y, m.width, m.height]).collect();
+            let sample = json!([frame.image, frame.video, frame.sha256, masks, frame.ptz, camera]);
+            let digest = Sha256::digest(sample.to_string());
+            training_samples.extend(digest.first_chunk::<16>());
+        }
+        Self { training_samples }
+    }
+
+    /// Whether it is empty.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.training_samples.is_empty()
+    }
+
+    /// Whether all of `other` is in it: then a forest of `other` still holds nothing wrong.
+    #[must_use]
+    pub fn contains(&self, other: &Self) -> bool {
+        self.training_samples.is_superset(&other.training_samples)
+    }
+
+    /// A name for exactly this, 32 hexadecimal digits.
+    #[must_use]
+    pub fn fingerprint(&self) -> String {
+        let mut digest = Sha256::new();
+        for sample in &self.training_samples {
+            digest.update(sample);
+        }
+        hex(&digest.finalize()[..16])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::{ImageSize, PixelBox};
+    use touchline_documents::document::{Camera, FieldSpec, Frame, FramePtz};
+
+    fn document() -> Document {
+        let size = ImageSize::new(640, 360);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        for index in 0..3 {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index), -9.0, 900.0), None));
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    #[test]
+    fn more_contains_less_and_any_change_is_another() {
+        let document = document();
+        let (two, three) = (TrainingSet::of(&document, &[0, 1]), TrainingSet::of(&document, &[1, 0, 2]));
+        assert!(three.contains(&two) && !two.contains(&three));
+        assert_eq!(TrainingSet::of(&document, &[1, 0]).fingerprint(), two.fingerprint());
+        assert_ne!(three.fingerprint(), two.fingerprint());
+        assert!(TrainingSet::of(&document, &[7]).is_empty());
+
+        let changes: [fn(&mut Document); 4] = [
+            |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
+            |document| document.frames[0].masks.push(PixelBox { x: 1.0, y: 1.0, width: 9.0, height: 9.0 }),
+            |document| document.cameras[0].masks.push(PixelBox { x: 1.0, y: 1.0, width: 9.0, height: 9.0 }),
+            |document| document.frames[0].sha256 = Some("ab".to_owned()),
+        ];
+        for change in changes {
+            let mut changed = document.clone();
+            change(&mut changed);
+            assert!(!TrainingSet::of(&changed, &[0, 1, 2]).contains(&two));
+        }
+        let mut commented = document.clone();
+        commented.frames[0].comment = Some("rain".to_owned());
+        assert_eq!(TrainingSet::of(&commented, &[0, 1]), two);
+    }
+}

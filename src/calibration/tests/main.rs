@@ -1,0 +1,17 @@
+//! From pictures and documents to cameras, from outside.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    missing_docs,
+    reason = "a test says what failed by failing"
+)]
+
+#[allow(dead_code, reason = "shared by several crates")]
+#[path = "../../../tests/shared/seeded.rs"]
+mod seeded;
+
+mod bad_documents;
+mod burnt_in;
+mod document;
+mod unseen_length;

@@ -1,0 +1,21 @@
+//! `touchline experiment` where the experiments are left out: it says how to have them.
+
+use super::Outcome;
+use super::messages::Messages;
+use anyhow::bail;
+
+/// Measures the paper's tables and figures again, in a program that is built with them.
+#[derive(clap::Args, Debug)]
+pub struct ExperimentArgs {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    _arguments: Vec<String>,
+}
+
+/// # Errors
+/// Always: there are none in this program.
+pub fn experiment(_: &ExperimentArgs, _: Messages) -> anyhow::Result<Outcome> {
+    bail!(
+        "this program was built without the experiments; in the sources, cargo run --release --features experiments -- experiment all -o \
+         DIR measures the paper's tables and figures"
+    )
+}

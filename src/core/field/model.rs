@@ -1,0 +1,289 @@
+//! A field of one venue: a template with its parameters filled in.
+
+use crate::geometry::{Angle, Vec3};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+macro_rules! name_type {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+        #[serde(transparent)]
+        pub struct $name(Arc<str>);
+
+        impl $name {
+            /// The name as the document writes it.
+            #[must_use]
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl From<&str> for $name {
+            fn from(name: &str) -> Self {
+                Self(name.into())
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(&self.0)
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{:?}", &*self.0)
+            }
+        }
+    };
+}
+
+name_type! {
+    /// The name of a landmark, such as `centre_mark`; unique within a template.
+    LandmarkId
+}
+name_type! {
+    /// The name of a line, such as `halfway_line`; unique within a template.
+    LineId
+}
+
+/// A point of the field that can be clicked, on the ground or above it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landmark {
+    /// Its name in documents.
+    pub id: LandmarkId,
+    /// What a person reads: "Centre mark".
+    pub label: String,
+    /// Two to four letters to type: "cm".
+    pub code: String,
+    /// Where the rules put it, `world`, m; the crown is not in it.
+    pub nominal_m: Vec3,
+    /// The click noise: 1-σ of a click in px at 1920 px width.
+    pub click_sigma_px: f64,
+    /// The part of it that is the place's and not the clicking's: paint is wide, and grounds are not painted to the centimetre.
+    /// It stays however exactly a point is placed. 1-σ, px at 1920 px width.
+    pub place_sigma_px: f64,
+    /// The diameter of the spot that is painted around it, m; none where there is none.
+    pub spot_diameter_m: Option<f64>,
+    /// Nothing painted marks it: a point somewhere along a curve, defined by a direction on the ground. In a picture it is not where
+    /// the curve looks widest, so that only who knows the camera finds it.
+    pub is_unmarked: bool,
+}
+
+/// The share of a template's click noise `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own
+/// noise).
+pub const CLICKING_SHARE: f64 = 0.5;
+
+/// A straight marking, circle, arc or post on which a click can lie.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldLine {
+    /// Its name in documents.
+    pub id: LineId,
+    /// What a person reads: "Halfway line".
+    pub label: String,
+    /// Two to four letters to type.
+    pub code: String,
+    /// Where the rules put it.
+    pub curve: Curve,
+    /// The width of the paint (or of the post), m.
+    pub width_m: f64,
+    /// Which edge of the paint the nominal line is; for painting, drawing to scale and snapping only.
+    pub edge: PaintEdge,
+    /// Where the middle of the paint (or of the post) runs: `curve` moved by half the width as `edge` says.
+    pub paint_centre: Curve,
+    /// Painted on the ground as one stroke; false for posts, crossbars, nets, boards and rows of dashes.
+    pub painted: bool,
+}
+
+/// Which edge of the paint a nominal line is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PaintEdge {
+    /// The paint is centred on the nominal line.
+    #[default]
+    Centre,
+    /// The nominal line is the paint's outer edge: the paint belongs to the area that the line bounds.
+    Outer,
+    /// The nominal line is the paint's inner edge: the paint lies around the area.
+    Inner,
+}
+
+/// A curve in `world`, m, nominal (without the crown).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve {
+    /// A straight piece.
+    Segment {
+        /// One end.
+        from: Vec3,
+        /// The other end.
+        to: Vec3,
+    },
+    /// A circle or a part of one, in a horizontal plane.
+    Arc {
+        /// The centre.
+        centre: Vec3,
+        /// The radius, m.
+        radius_m: f64,
+        /// The direction of the first point, from +x towards +y.
+        start: Angle,
+        /// How far it goes, positive from +x towards +y; a full turn is a circle.
+        sweep: Angle,
+    },
+}
+
+impl PaintEdge {
+    /// Its name in templates.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Centre => "centre",
+            Self::Outer => "outer",
+            Self::Inner => "inner",
+        }
+    }
+
+    /// How far the middle of the paint lies from the nominal line towards the inside, in widths.
+    #[must_use]
+    pub const fn inward_shift(self) -> f64 {
+        match self {
+            Self::Centre => 0.0,
+            Self::Outer => 0.5,
+            Self::Inner => -0.5,
+        }
+    }
+}
+
+impl Curve {
+    /// The point at parameter `t`: 0 is the first end, 1 the last; values outside go beyond the ends.
+    #[must_use]
+    pub fn point_at(&self, t: f64) -> Vec3 {
+        match *self {
+            Self::Segment { from, to } => from + (to - from) * t,
+            Self::Arc { centre, radius_m, start, sweep } => {
+                let (sin, cos) = (start + sweep * t).sin_cos();
+                centre + Vec3::new(cos, sin, 0.0) * radius_m
+            }
+        }
+    }
+
+    /// d(point)/dt, m.
+    #[must_use]
+    pub fn tangent_at(&self, t: f64) -> Vec3 {
+        match *self {
+            Self::Segment { from, to } => to - from,
+            Self::Arc { radius_m, start, sweep, .. } => {
+                let (sin, cos) = (start + sweep * t).sin_cos();
+                Vec3::new(-sin, cos, 0.0) * (radius_m * sweep.radians())
+            }
+        }
+    }
+
+    /// The length, m.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        match *self {
+            Self::Segment { from, to } => (to - from).norm(),
+            Self::Arc { radius_m, sweep, .. } => radius_m * sweep.radians().abs(),
+        }
+    }
+
+    /// How far a point lies from the nearest point of the curve, m.
+    #[must_use]
+    pub fn distance_m(&self, point: Vec3) -> f64 {
+        match *self {
+            Self::Segment { from, to } => {
+                let t = (point - from).dot(&(to - from)) / (to - from).norm_squared();
+                (point - self.point_at(t.clamp(0.0, 1.0))).norm()
+            }
+            Self::Arc { centre, radius_m, start, sweep } => {
+                let offset = point - centre;
+                let turned = (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
+                if turned.rem_euclid(std::f64::consts::TAU) <= sweep.radians().abs() {
+                    return (offset.xy().norm() - radius_m).hypot(offset.z);
+                }
+                [0.0, 1.0].map(|end| (point - self.point_at(end)).norm()).into_iter().fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// A circle: it has no ends.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        matches!(self, Self::Arc { sweep, .. } if (sweep.radians().abs() - std::f64::consts::TAU).abs() < 1e-9)
+    }
+}
+
+/// The field of one venue.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldModel {
+    /// The template's name: "soccer".
+    pub template: String,
+    /// The parameters that the template takes, filled in, such as `length_m`.
+    pub params: BTreeMap<String, f64>,
+    /// Extent along x, m: the playing area.
+    pub length_m: f64,
+    /// Extent along y, m.
+    pub width_m: f64,
+    /// How much the middle is higher than the touchlines, m.
+    pub crown_m: f64,
+    /// Every landmark, in the template's order.
+    pub landmarks: Vec<Landmark>,
+    /// Every line, in the template's order.
+    pub lines: Vec<FieldLine>,
+    /// The click noise of lines: 1-σ of a click across the line in px at 1920 px width.
+    pub line_click_sigma_px: f64,
+}
+
+impl FieldModel {
+    /// A landmark by name.
+    #[must_use]
+    pub fn landmark(&self, id: &str) -> Option<&Landmark> {
+        self.landmarks.iter().find(|landmark| landmark.id.as_str() == id)
+    }
+
+    /// A line by name.
+    #[must_use]
+    pub fn line(&self, id: &str) -> Option<&FieldLine> {
+        self.lines.iter().find(|line| line.id.as_str() == id)
+    }
+
+    /// A landmark's place in `world`, m, the crown included.
+    #[must_use]
+    pub fn landmark_in_world(&self, landmark: &Landmark) -> Vec3 {
+        self.world_from_nominal(landmark.nominal_m)
+    }
+}
+
+/// Two landmarks nearer than this are one.
+const SAME_PLACE_M: f64 = 1e-6;
+
+/// Whether two places are one.
+pub(super) fn same_place(a: Vec3, b: Vec3) -> bool {
+    (a - b).norm() <= SAME_PLACE_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_from_a_curve_is_that_of_its_nearest_point() {
+        let segment = Curve::Segment { from: Vec3::new(-3.0, 1.0, 0.0), to: Vec3::new(5.0, 2.0, 0.0) };
+        let arc = |start, sweep| Curve::Arc {
+            centre: Vec3::new(2.0, -1.0, 0.0),
+            radius_m: 4.0,
+            start: Angle::from_degrees(start),
+            sweep: Angle::from_degrees(sweep),
+        };
+        for curve in [segment, arc(0.0, 360.0), arc(30.0, 100.0), arc(-20.0, -250.0)] {
+            for at in [(0.0, 0.0, 0.0), (9.0, 3.0, 0.0), (2.0, -1.5, 0.3), (-7.0, 1.0, 0.0), (3.0, -6.0, 0.0)] {
+                let at = Vec3::new(at.0, at.1, at.2);
+                let sampled = (0..=20_000).map(|step| (at - curve.point_at(f64::from(step) / 20_000.0)).norm());
+                let nearest_m = sampled.fold(f64::INFINITY, f64::min);
+                assert!((curve.distance_m(at) - nearest_m).abs() < 1e-3, "{curve:?} from {at}");
+            }
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Opening files that may come from anybody: nothing hangs on a pipe, nothing reads a device, nothing is larger than expected.
+//!
+//! | what | for |
+//! |---|---|
+//! | [`read_named`], [`open_named`] | files that a person names; links are followed |
+//! | [`read_regular`], [`open_regular`] | the program's own files in a folder that is not trusted; links are refused |
+//! | [`replace_folder`], [`refuse_other_files`], [`refuse_part_of_project`] | results: what `--force` may replace |
+//!
+//! Temporary files are made here too, so that all have one name and go when they are left behind.
+
+mod named_file;
+mod not_readable;
+mod plain;
+mod regular_file;
+mod replace;
+mod temporary;
+mod way_out;
+
+pub use named_file::{open_named, read_named, read_named_text};
+pub use not_readable::NotReadable;
+pub use plain::plain;
+pub use regular_file::{WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder};
+pub use replace::{
+    IsReplaced, NotReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files, refuse_part_of_project,
+    replace_folder,
+};
+pub use temporary::{remove_stray_files, temporary_file_in, temporary_folder_in};
+pub use way_out::way_out;
+
+use std::path::Path;
+
+/// The folder that a path lies in.
+#[must_use]
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}

@@ -1,0 +1,35 @@
+//! Angles and arcs of them, image points and sizes, mask boxes, rotations and their derivatives.
+//!
+//! Everything here is `f64`. Angles are radians inside and degrees in files ([`Angle`]). Frames, signs, units and the
+//! corner convention of pixels: [`crate::conventions`].
+
+mod angle;
+mod angle_range;
+mod directions;
+mod ellipse;
+mod homography;
+mod image;
+mod median;
+pub mod rotation;
+mod rows;
+mod segment;
+mod text;
+
+pub use angle::Angle;
+pub use angle_range::AngleRange;
+pub use directions::Directions;
+pub use ellipse::covariance_ellipse;
+pub(crate) use homography::HomographyError;
+pub use homography::homography;
+pub use image::{ImagePoint, ImageSize, PixelBox};
+pub use median::{median, median_high};
+pub use rows::rows;
+pub use segment::distance_from_segment;
+pub use text::{counted, hex, is_formula, text_cell, thousands};
+
+/// A column of two numbers; the name of the value gives frame and unit.
+pub type Vec2 = nalgebra::Vector2<f64>;
+/// A column of three numbers; the name of the value gives frame and unit.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A 3×3 matrix, such as `base_from_world`.
+pub type Mat3 = nalgebra::Matrix3<f64>;

@@ -1,0 +1,39 @@
+//! How far an estimated camera is from the true one.
+//!
+//! | what | where |
+//! |---|---|
+//! | rotation, pan, tilt, focal length, position | [`camera_error`] |
+//! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
+//! | the same for a homography of the ground | [`PlaneView`] |
+//! | landmarks in the picture, px and metres on the ground | [`landmark_errors`], [`ground_error_m`] |
+//! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
+//! | whether stated sigmas match the errors | [`SigmaCoverage`] |
+//! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
+//! | how far clicks on the same spots scatter | [`ClickScatter`] |
+
+mod camera_error;
+mod click_scatter;
+mod coverage;
+mod distribution;
+mod ground;
+mod landmarks;
+mod marking_match;
+mod overlap;
+mod plane;
+mod polygon;
+mod statistics;
+mod view;
+
+pub use camera_error::{CameraError, camera_error, horizontal_view};
+pub use click_scatter::ClickScatter;
+pub use coverage::{SigmaCoverage, squared_sigmas};
+
+pub(crate) use distribution::chi_squared_quantile;
+pub use distribution::{median_normal_size, median_rayleigh, rayleigh_share};
+pub use ground::seen_field;
+pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
+pub use marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines};
+pub use overlap::{iou_part, iou_whole};
+pub use plane::PlaneView;
+pub use statistics::{Summary, quantile};
+pub use view::FieldView;

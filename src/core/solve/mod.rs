@@ -1,0 +1,64 @@
+//! From observations to parameters: one problem a file.
+//!
+//! [`Observation`] says what a click shows: a landmark, or a line on which it lies. Clicks, priors and whatever else is
+//! measured are `residual::Residual`s, and everything that is fitted goes through `least_squares::minimise`. [`FrameSolution`] is what a frame's
+//! clicks and a known base say about pan, tilt and focal length, with everything a person must know to trust it.
+//!
+//! Frames, signs and units: [`crate::conventions`].
+
+pub mod base;
+mod checks;
+mod context;
+mod covariance;
+mod dense;
+mod error;
+#[cfg(test)]
+mod fixtures;
+mod frame;
+mod identity;
+mod identity_finding;
+mod least_squares;
+mod line;
+mod loss;
+mod motion_prior;
+mod observation;
+mod one_point;
+mod plane_pose;
+mod prior;
+mod ptz_ranges;
+mod refine;
+mod residual;
+mod shape;
+mod shared_columns;
+mod solution;
+mod starts;
+mod two_point;
+mod verdict;
+mod warning;
+mod world_curve;
+
+pub use context::SolveContext;
+pub use covariance::{CornerSigma, Uncertainty, covariance_in_radians, covariance_of_four_points};
+pub use dense::DenseEquations;
+pub use error::{ObservationError, SolveError};
+pub use frame::solve_frame;
+pub use identity::check_identity;
+pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
+pub use least_squares::{BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise};
+pub use loss::Loss;
+pub use motion_prior::{Motion, MotionPrior, PtzStep};
+pub use observation::Observation;
+pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
+pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
+pub use prior::PtzPrior;
+pub use ptz_ranges::PtzRanges;
+pub use refine::{Refined, refine, refine_until};
+pub use residual::{Linearised, Residual};
+pub use shape::{ObservedShape, ShapeJacobian};
+pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
+pub use two_point::{
+    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,
+};
+pub use verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, judge};
+pub use warning::{UnknownWarningCode, Warning, WarningCode};
+pub use world_curve::WorldCurve;

@@ -1,0 +1,57 @@
+//! A document together with its folder.
+
+use super::{Document, FieldSpec, Frame};
+use std::ops::Deref;
+use std::path::Path;
+use touchline_core::field::{FieldError, FieldModel};
+
+/// A document and the folder that its relative paths start from: needed for its pictures and for a
+/// field template of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct DocumentAt<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// Its folder, absolute unless the document names no file of its own.
+    pub folder: &'a Path,
+}
+
+impl Document {
+    /// The document in its folder.
+    #[must_use]
+    pub const fn at<'a>(&'a self, folder: &'a Path) -> DocumentAt<'a> {
+        DocumentAt { document: self, folder }
+    }
+}
+
+impl DocumentAt<'_> {
+    /// A field of the document with the click noise that it uses.
+    ///
+    /// # Errors
+    /// There is no such template, or it does not take a parameter or its value.
+    pub fn model_of(self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
+        let mut field = spec.model(self.folder)?;
+        self.document.weight_clicks(&mut field);
+        Ok(field)
+    }
+
+    /// The field that a frame shows, with the click noise that the document uses.
+    ///
+    /// # Errors
+    /// There is no such template, or it does not take a parameter or its value.
+    pub fn model_of_frame(self, frame: &Frame) -> Result<FieldModel, FieldError> {
+        self.model_of(self.document.field_of(frame))
+    }
+
+    /// The document as it must read in another folder: see [`Document::relocated`].
+    #[must_use]
+    pub fn relocated(self, to_folder: &Path) -> Document {
+        self.document.clone().relocated(self.folder, to_folder)
+    }
+}
+
+impl Deref for DocumentAt<'_> {
+    type Target = Document;
+    fn deref(&self) -> &Document {
+        self.document
+    }
+}

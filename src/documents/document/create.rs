@@ -1,0 +1,121 @@
+//! A document from a folder of images or a video.
+
+use super::paths::resolved;
+use super::{Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, path_between};
+use rayon::prelude::*;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use touchline_core::geometry::ImageSize;
+use touchline_vision::media::{self, FrameSource, MediaError, VideoInfo};
+
+/// The name of a new document's camera.
+const CAMERA: &str = "main";
+
+/// A document that was made from frames.
+#[derive(Debug)]
+pub struct NewDocument {
+    /// The document.
+    pub document: Document,
+    /// Images that cannot be read, by name, and why; they are not in it.
+    pub left_out: Vec<(String, MediaError)>,
+}
+
+/// Makes a document of every `every`-th frame of a source, for a project in `folder` (absolute): new frames, and a camera
+/// for each size of picture, the first one called `main`, of which nothing else is known.
+///
+/// Images are read in parallel for their size and SHA-256; `progress` is called once for each frame, from any thread.
+#[must_use]
+pub fn document_from_frames(
+    source: &FrameSource,
+    folder: &Path,
+    field: FieldSpec,
+    every: NonZeroUsize,
+    progress: &(dyn Fn() + Sync),
+) -> NewDocument {
+    let mut made = NewDocument { document: Document::new(field), left_out: Vec::new() };
+    match source {
+        FrameSource::Folder(listing) => {
+            let images: Vec<&PathBuf> = listing.images.iter().step_by(every.get()).collect();
+            let read = images.par_iter().map(|path| {
+                let read = media::image_size(path).and_then(|size| Ok((size, media::sha256_of_file(path)?)));
+                progress();
+                read
+            });
+            let read: Vec<_> = read.collect();
+            for (path, read) in images.into_iter().zip(read) {
+                match read {
+                    Ok((size, sha256)) => made.add_image(&relative(folder, path), size, sha256),
+                    Err(error) => made.left_out.push((path.display().to_string(), error)),
+                }
+            }
+        }
+        FrameSource::Video(info) => made.add_video(info, folder, every, progress),
+    }
+    made
+}
+
+/// How a file is called from a folder, whether or not either exists yet.
+fn relative(folder: &Path, file: &Path) -> String {
+    path_between(&resolved(folder), &resolved(file))
+}
+
+impl NewDocument {
+    fn add_image(&mut self, image: &str, size: ImageSize, sha256: String) {
+        let camera = self.camera_of_size(size);
+        self.document.frames.push(Frame { sha256: Some(sha256), ..Frame::from_image(image, camera, size) }.into());
+    }
+
+    fn add_video(&mut self, info: &VideoInfo, folder: &Path, every: NonZeroUsize, progress: &(dyn Fn() + Sync)) {
+        let camera = self.camera_of_size(info.size);
+        let path = relative(folder, &info.path);
+        for index in (0..info.decoded_frames).step_by(every.get()) {
+            let video = VideoFrame::new(&path, index as u64, info.pts_s(index));
+            self.document.frames.push(Frame::from_video(video, camera.clone(), info.size).into());
+            progress();
+        }
+    }
+
+    /// The camera of this size of picture; made if there is none yet.
+    fn camera_of_size(&mut self, size: ImageSize) -> CameraId {
+        let cameras = &mut self.document.cameras;
+        if let Some(camera) = cameras.iter().find(|camera| camera.image_size == size) {
+            return camera.id.clone();
+        }
+        let id =
+            if cameras.is_empty() { CAMERA.to_owned() } else { format!("{CAMERA}_{}x{}", size.width, size.height) };
+        let camera = Camera::new(id.as_str().into(), size);
+        let id = camera.id.clone();
+        cameras.push(camera.into());
+        id
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write_png(path: &Path, width: u32, height: u32) {
+        image::RgbImage::new(width, height).save(path).unwrap();
+    }
+
+    #[test]
+    fn a_folder_becomes_a_document_with_relative_paths_and_a_camera_for_each_size() {
+        let root = tempfile::tempdir().unwrap();
+        let frames = root.path().join("frames");
+        std::fs::create_dir(&frames).unwrap();
+        write_png(&frames.join("9.png"), 64, 36);
+        write_png(&frames.join("10.png"), 64, 36);
+        write_png(&frames.join("11.png"), 32, 18);
+        std::fs::write(frames.join("12.png"), "no image").unwrap();
+        let source = FrameSource::open(&frames).unwrap();
+        let folder = root.path().join("project");
+        let every = NonZeroUsize::MIN;
+        let made = document_from_frames(&source, &folder, FieldSpec::new("soccer"), every, &|| {});
+        let names: Vec<_> = made.document.frames.iter().map(|frame| frame.name()).collect();
+        assert_eq!(names, ["../frames/9.png", "../frames/10.png", "../frames/11.png"]);
+        let cameras: Vec<_> = made.document.cameras.iter().map(|camera| camera.id.as_str().to_owned()).collect();
+        assert_eq!(cameras, ["main", "main_32x18"]);
+        assert_eq!(made.document.frames[0].sha256.as_ref().unwrap().len(), 64);
+        assert!(made.left_out.len() == 1 && made.left_out[0].0.ends_with("12.png"), "{:?}", made.left_out);
+    }
+}

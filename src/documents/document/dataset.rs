@@ -1,0 +1,89 @@
+//! A document as a dataset: what is written for those who use the labels.
+
+use super::{Click, Document, Frame, SolutionWarning};
+use touchline_core::solve::WarningCode;
+
+impl Document {
+    /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and with a warning
+    /// at every solved frame whose field's size is assumed.
+    #[must_use]
+    pub fn into_dataset(mut self) -> Self {
+        for frame in &mut self.frames {
+            if frame.clicks.iter().any(|click| click.target.is_none()) {
+                frame.retain_clicks(|_, click| click.target.is_some());
+            }
+        }
+        self.tell_assumed_sizes();
+        self
+    }
+
+    /// Says at every solved frame whose field's size is assumed that it is.
+    fn tell_assumed_sizes(&mut self) {
+        let code = WarningCode::FieldAssumed.as_str();
+        for index in 0..self.frames.len() {
+            let told = self.field_of(&self.frames[index]).describe_assumed_size();
+            let Some(told) = told.filter(|_| self.frames[index].ptz.is_some()) else { continue };
+            let solution = self.frames[index].solution.get_or_insert_default();
+            solution.warnings.retain(|warning| warning.code != code);
+            solution.warnings.push(SolutionWarning::new(code, told));
+        }
+    }
+}
+
+impl Frame {
+    /// Keeps some of its clicks, chosen by their places; the solution's indices of clicks follow.
+    pub fn retain_clicks(&mut self, stays: impl Fn(usize, &Click) -> bool) {
+        let mut kept = 0;
+        let new_place = |(place, click): (usize, &Click)| {
+            stays(place, click).then(|| {
+                kept += 1;
+                kept - 1
+            })
+        };
+        let new_index: Vec<Option<usize>> = self.clicks.iter().enumerate().map(new_place).collect();
+        let mut places = new_index.iter();
+        self.clicks.retain(|_| places.next().is_some_and(Option::is_some));
+        let renumber = |indices: &mut Vec<usize>| {
+            *indices = indices.iter().filter_map(|&index| new_index.get(index).copied().flatten()).collect();
+        };
+        if let Some(solution) = &mut self.solution {
+            renumber(&mut solution.disputed);
+            for warning in &mut solution.warnings {
+                renumber(&mut warning.clicks);
+                warning.renames.retain_mut(|rename| {
+                    let kept = new_index.get(rename.click).copied().flatten();
+                    rename.click = kept.unwrap_or(rename.click);
+                    kept.is_some()
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Camera, FieldSize, FieldSpec, FramePtz};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn a_dataset_says_so_at_every_solved_frame_once() {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        for _ in 0..2 {
+            document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+        }
+        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -10.0, 2000.0), None));
+        let warnings = |document: &Document| -> Vec<Vec<String>> {
+            let solutions = document.frames.iter().map(|frame| frame.solution.clone().unwrap_or_default());
+            solutions.map(|solution| solution.warnings.into_iter().map(|warning| warning.code).collect()).collect()
+        };
+        let again = document.clone().into_dataset().into_dataset();
+        assert_eq!(warnings(&again), [vec!["field_assumed".to_owned()], vec![]]);
+        assert_eq!(again.frames[0].solution.as_ref().unwrap().warnings_of_frame().count(), 0);
+        document.field.size = Some(FieldSize::Confirmed);
+        assert_eq!(warnings(&document.into_dataset()), [vec![], Vec::<String>::new()]);
+    }
+}

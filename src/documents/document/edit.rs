@@ -1,0 +1,421 @@
+//! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
+
+use super::old_edit::OldChange;
+use super::write::OWN_KEYS;
+use super::{Camera, Document, EditMismatch, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot, StoredClickNoise};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One edit: a name and what it changed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Edit {
+    /// In words: "Move centre mark".
+    pub name: String,
+    /// What it is to undo and redo.
+    #[serde(default, skip_serializing_if = "EditKind::is_no_step")]
+    pub kind: EditKind,
+    /// What changed, to be applied in this order.
+    pub changes: Vec<Change>,
+}
+
+/// What an edit is to undo and redo.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EditKind {
+    /// Not a step of undo, or an edit in a journal of an earlier version without this information: no step before it can be undone.
+    #[default]
+    NoStep,
+    /// A step, called as the edit is.
+    Step {
+        /// The frame it concerns, as [`super::Step::frame`].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        frame: Option<FrameId>,
+    },
+    /// More of the step before it: an arrow key that is held down.
+    Continued,
+    /// The last step, taken back.
+    Undone,
+    /// The redo of the step that was undone last.
+    Redone,
+}
+
+impl EditKind {
+    const fn is_no_step(&self) -> bool {
+        matches!(self, Self::NoStep)
+    }
+}
+
+/// A part of the document that changed, with its new value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// A frame.
+    Frame {
+        /// Which.
+        id: FrameId,
+        /// The revision that was changed.
+        revision: u64,
+        /// What it is now.
+        frame: Shared<Frame>,
+    },
+    /// Frames that go.
+    Remove(Vec<FrameId>),
+    /// Frames that come.
+    Insert {
+        /// The frame that they follow; none: they come first.
+        after: Option<FrameId>,
+        /// Which.
+        frames: Vec<Shared<Frame>>,
+    },
+    /// All frames in a new order.
+    Order(Vec<FrameId>),
+    /// The cameras.
+    Cameras(Vec<Shared<Camera>>),
+    /// The field.
+    Field(FieldSpec),
+    /// What else the document itself holds.
+    Rest {
+        /// The conventions.
+        conventions: Map<String, Value>,
+        /// What its clicks scatter by.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        click_noise: Option<StoredClickNoise>,
+        /// Its shots.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        shots: Vec<Shot>,
+        /// Unknown keys.
+        extra: Extra,
+    },
+    /// Frames by their positions, in a journal of an earlier version of the program.
+    #[serde(untagged)]
+    Old(OldChange),
+}
+
+impl Edit {
+    /// What leads from `before` to `after`; frames that both share are not looked at.
+    #[must_use]
+    pub fn between(before: &Document, after: &Document, name: &str) -> Self {
+        let mut changes = Vec::new();
+        if before.field != after.field {
+            changes.push(Change::Field(after.field.clone()));
+        }
+        if before.cameras != after.cameras {
+            changes.push(Change::Cameras(after.cameras.clone()));
+        }
+        let rest = |document: &Document| Change::Rest {
+            conventions: document.conventions.clone(),
+            click_noise: document.click_noise.clone(),
+            shots: document.shots.clone(),
+            extra: document.extra.clone(),
+        };
+        if rest(before) != rest(after) {
+            changes.push(rest(after));
+        }
+        frame_changes(&before.frames, &after.frames, &mut changes);
+        Self { name: name.to_owned(), kind: EditKind::NoStep, changes }
+    }
+
+    /// The same edit, as what undo and redo take it.
+    #[must_use]
+    pub fn of_kind(self, kind: EditKind) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// Nothing changed.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
+    /// Makes the changes.
+    ///
+    /// # Errors
+    /// A frame is not there, or is there in another revision than was edited. The document is as it was then.
+    pub fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
+        apply_all(self.changes, document)
+    }
+}
+
+/// Makes changes one after the other, or none if one does not fit.
+pub(super) fn apply_all(changes: Vec<Change>, document: &mut Document) -> Result<(), EditMismatch> {
+    let before = document.clone();
+    for change in changes {
+        if let Err(mismatch) = change.apply(document) {
+            *document = before;
+            return Err(mismatch);
+        }
+    }
+    Ok(())
+}
+
+impl Change {
+    fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
+        match self {
+            Self::Frame { id, revision, frame } => {
+                let Some(place) = document.frames.by_id_mut(&id) else { return Err(EditMismatch::NoFrame { id }) };
+                if place.revision != revision {
+                    return Err(EditMismatch::Revision { id, made_on: revision, found: place.revision });
+                }
+                if frame.id != id {
+                    return Err(EditMismatch::OtherFrame { id, found: frame.id.clone() });
+                }
+                *place = frame;
+            }
+            Self::Remove(ids) => {
+                let gone: BTreeSet<FrameId> = ids.into_iter().collect();
+                if let Some(id) = gone.iter().find(|id| document.frames.by_id(id).is_none()) {
+                    return Err(EditMismatch::NoFrame { id: id.clone() });
+                }
+                document.frames.retain(|frame| !gone.contains(&frame.id));
+            }
+            Self::Insert { after, frames } => insert(document, after, frames)?,
+            Self::Order(ids) => {
+                let ordered: Option<Frames> = ids.iter().map(|id| document.frames.by_id(id).cloned()).collect();
+                let (ordered, frames) = (ordered.filter(|frames| frames.len() == document.frames.len()), ids.len());
+                let mismatch = EditMismatch::Order { ordered: frames, frames: document.frames.len() };
+                let is_each_once = ids.iter().collect::<BTreeSet<_>>().len() == ids.len();
+                document.frames = ordered.filter(|_| is_each_once).ok_or(mismatch)?;
+            }
+            Self::Cameras(cameras) => document.cameras = cameras,
+            Self::Field(field) => document.field = field,
+            Self::Rest { conventions, click_noise, shots, mut extra } => {
+                // Journals of earlier versions have it among the unknown keys.
+                let among_unknown = extra.shift_remove("click_noise").map(StoredClickNoise::from);
+                // No program writes them there; as unknown keys they would be read as the document's own.
+                extra.retain(|key, _| !OWN_KEYS.contains(&key.as_str()));
+                document.conventions = conventions;
+                document.click_noise = click_noise.or(among_unknown);
+                document.shots = shots;
+                document.extra = extra;
+            }
+            Self::Old(old) => old.apply(document)?,
+        }
+        Ok(())
+    }
+}
+
+fn insert(document: &mut Document, after: Option<FrameId>, frames: Vec<Shared<Frame>>) -> Result<(), EditMismatch> {
+    if let Some(present) = frames.iter().find(|frame| document.frames.by_id(&frame.id).is_some()) {
+        return Err(EditMismatch::Present { id: present.id.clone() });
+    }
+    let at = match after {
+        None => 0,
+        Some(id) => document.frames.position_of(&id).ok_or(EditMismatch::NoFrame { id })? + 1,
+    };
+    document.frames.insert_all(at, frames);
+    Ok(())
+}
+
+impl Document {
+    /// Counts the edits that led here from an earlier state: each frame that differs has a later revision than it had. What
+    /// undo brings back does, too.
+    pub fn count_edits_since(&mut self, before: &Self) {
+        for position in self.frames.differences(&before.frames) {
+            let Some(frame) = self.frames.get(position) else { continue };
+            let known = before.frames.get(position).filter(|known| known.id == frame.id);
+            let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
+            if frame.revision <= known.revision && frame != known {
+                let revision = known.next_revision();
+                self.frames[position].revision = revision;
+            }
+        }
+    }
+}
+
+/// The frames that changed, then those that go, those that come and, where they are not where they were, all in order.
+fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
+    let differ = after.differences(before);
+    let changed = |known: &Frame, frame: &Shared<Frame>| Change::Frame {
+        id: known.id.clone(),
+        revision: known.revision,
+        frame: frame.clone(),
+    };
+    if before.len() == after.len() && differ.iter().all(|&position| before[position].id == after[position].id) {
+        changes.extend(differ.into_iter().map(|position| changed(&before[position], &after[position])));
+        return;
+    }
+    let known: BTreeMap<&FrameId, &Shared<Frame>> = before.iter().map(|frame| (&frame.id, frame)).collect();
+    let kept: BTreeSet<&FrameId> = after.iter().map(|frame| &frame.id).filter(|id| known.contains_key(id)).collect();
+    for frame in after {
+        if let Some(known) = known.get(&frame.id).filter(|known| **known != frame) {
+            changes.push(changed(known, frame));
+        }
+    }
+    let gone: Vec<FrameId> = before.iter().map(|frame| &frame.id).filter(|id| !kept.contains(id)).cloned().collect();
+    if !gone.is_empty() {
+        changes.push(Change::Remove(gone));
+    }
+    let order = |frames: &Frames| -> Vec<FrameId> {
+        frames.iter().map(|frame| &frame.id).filter(|id| kept.contains(id)).cloned().collect()
+    };
+    let is_moved = order(before) != order(after);
+    let mut last: Option<&FrameId> = None;
+    let mut coming: Option<(Option<FrameId>, Vec<Shared<Frame>>)> = None;
+    for frame in after {
+        if kept.contains(&frame.id) {
+            changes.extend(coming.take().map(|(after, frames)| Change::Insert { after, frames }));
+        } else {
+            coming.get_or_insert_with(|| (last.cloned(), Vec::new())).1.push(frame.clone());
+        }
+        last = Some(&frame.id);
+    }
+    changes.extend(coming.map(|(after, frames)| Change::Insert { after, frames }));
+    if is_moved {
+        changes.push(Change::Order(after.iter().map(|frame| frame.id.clone()).collect()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{document_from_bytes, document_to_string};
+    use proptest::prelude::*;
+    use touchline_core::geometry::ImageSize;
+
+    fn document(names: &[u8]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |name: &u8| Frame::from_image(&name.to_string(), "main".into(), ImageSize::new(64, 48));
+        document.frames = names.iter().map(|name| frame(name).into()).collect();
+        document
+    }
+
+    #[test]
+    fn an_edit_holds_only_what_changed() {
+        let before = document(&[1, 2, 3]);
+        let mut after = before.clone();
+        after.frames[1].comment = Some("rain".to_owned());
+        let edit = Edit::between(&before, &after, "Comment");
+        assert!(matches!(&edit.changes[..], [Change::Frame { id, revision: 0, .. }] if *id == before.frames[1].id));
+        after.frames.remove(0);
+        let edit = Edit::between(&before, &after, "Remove");
+        assert!(
+            matches!(&edit.changes[..], [Change::Frame { .. }, Change::Remove(ids)] if *ids == [before.frames[0].id.clone()])
+        );
+        assert!(Edit::between(&after, &after.clone(), "Nothing").is_empty());
+    }
+
+    #[test]
+    fn an_edit_that_does_not_fit_changes_nothing() {
+        let mut two = document(&[1, 2]);
+        let mut after = two.clone();
+        after.field.template = "other".to_owned();
+        after.frames[1].comment = Some("x".to_owned());
+        let edit = Edit::between(&two, &after, "Both");
+        let id = two.frames.pop().unwrap().id.clone();
+        let before = two.clone();
+        assert_eq!(edit.apply(&mut two), Err(EditMismatch::NoFrame { id }));
+        assert_eq!(two, before);
+    }
+
+    #[test]
+    fn a_frame_that_others_push_beyond_the_earlier_end_is_counted_as_edited() {
+        let before = document(&[1, 2, 3]);
+        let mut after = document(&[9, 1, 2, 3]);
+        after.frames[3].comment = Some("x".to_owned());
+        after.count_edits_since(&before);
+        let revisions: Vec<u64> = after.frames.iter().map(|frame| frame.revision).collect();
+        assert_eq!(revisions, [0, 0, 0, 1]);
+        let edit = Edit::between(&before, &after, "Both");
+        let mut made = before.clone();
+        edit.clone().apply(&mut made).unwrap();
+        assert!(matches!(edit.apply(&mut made), Err(EditMismatch::Revision { .. })));
+        assert_eq!(made, after);
+    }
+
+    #[test]
+    fn an_edit_is_made_once() {
+        let before = document(&[1, 2]);
+        let mut after = before.clone();
+        after.frames[1].comment = Some("x".to_owned());
+        after.count_edits_since(&before);
+        assert_eq!((after.frames[0].revision, after.frames[1].revision), (0, 1));
+        let edit = Edit::between(&before, &after, "Comment");
+        let mut made = before.clone();
+        edit.clone().apply(&mut made).unwrap();
+        assert_eq!(made, after);
+        let id = after.frames[1].id.clone();
+        assert_eq!(edit.apply(&mut made), Err(EditMismatch::Revision { id, made_on: 0, found: 1 }));
+        // What undo brings back counts as an edit of what it took back.
+        let mut undone = before.clone();
+        undone.count_edits_since(&after);
+        assert_eq!((undone.frames[1].revision, &undone.frames[1].comment), (2, &None));
+    }
+
+    #[test]
+    fn an_edit_reaches_its_frame_wherever_it_stands_now() {
+        let before = document(&[1, 2, 3]);
+        let mut after = before.clone();
+        after.frames[2].comment = Some("x".to_owned());
+        let edit = Edit::between(&before, &after, "Comment");
+        let mut shorter = before.clone();
+        shorter.frames.remove(0);
+        edit.apply(&mut shorter).unwrap();
+        assert_eq!(shorter.frames[1], after.frames[2]);
+    }
+
+    #[test]
+    fn a_frame_of_the_last_revision_is_edited_once() {
+        let mut before = document(&[1]);
+        before.frames[0].revision = u64::MAX;
+        let mut after = before.clone();
+        after.frames[0].comment = Some("x".to_owned());
+        after.count_edits_since(&before);
+        let edit = Edit::between(&before, &after, "Comment");
+        edit.clone().apply(&mut before).unwrap();
+        assert!(matches!(edit.apply(&mut before), Err(EditMismatch::Revision { made_on: u64::MAX, .. })));
+    }
+
+    #[test]
+    fn a_documents_own_keys_among_the_unknown_ones_of_an_edit_are_not_written_as_the_documents() {
+        for own in OWN_KEYS {
+            let json = format!(
+                r#"{{"name": "", "changes": [{{"rest": {{"conventions": {{}}, "extra": {{"{own}": null, "a": 1}}}}}}]}}"#
+            );
+            let mut edited = document(&[1]);
+            serde_json::from_str::<Edit>(&json).unwrap().apply(&mut edited).unwrap();
+            let text = document_to_string(&edited).unwrap();
+            let read = document_from_bytes(text.as_bytes()).unwrap();
+            assert_eq!((&read.extra, read.extra.len()), (&edited.extra, 1), "{own}");
+        }
+        let value: serde_json::Value = serde_json::from_str(&document_to_string(&document(&[1])).unwrap()).unwrap();
+        assert!(value.as_object().unwrap().keys().all(|key| OWN_KEYS.contains(&key.as_str())), "{value}");
+    }
+
+    #[test]
+    fn frames_that_come_and_go_do_so_once() {
+        let (before, after) = (document(&[1, 2]), document(&[3, 2]));
+        let edit = Edit::between(&before, &after, "Exchange");
+        let mut exchanged = before.clone();
+        edit.clone().apply(&mut exchanged).unwrap();
+        assert_eq!(exchanged, after);
+        assert!(matches!(edit.apply(&mut exchanged), Err(EditMismatch::NoFrame { .. })));
+        let of = |change| Edit { name: String::new(), kind: EditKind::NoStep, changes: vec![change] };
+        let only_new = of(Change::Insert { after: None, frames: vec![after.frames[0].clone()] });
+        assert_eq!(only_new.apply(&mut exchanged), Err(EditMismatch::Present { id: after.frames[0].id.clone() }));
+        let id = exchanged.frames[0].id.clone();
+        let other = of(Change::Frame { id: id.clone(), revision: 0, frame: exchanged.frames[1].clone() });
+        let found = exchanged.frames[1].id.clone();
+        assert_eq!(other.apply(&mut exchanged), Err(EditMismatch::OtherFrame { id, found }), "an id is no one else's");
+        let order = of(Change::Order(vec![after.frames[0].id.clone(); 2]));
+        assert_eq!(order.apply(&mut exchanged), Err(EditMismatch::Order { ordered: 2, frames: 2 }));
+    }
+
+    proptest! {
+        #[test]
+        fn an_edit_leads_from_one_state_to_the_other(
+            from in prop::collection::vec(0u8..9, 0..12), into in prop::collection::vec(0u8..9, 0..12),
+            noted in 0usize..12,
+        ) {
+            let (mut before, mut after) = (document(&from), document(&into));
+            if let Some(frame) = after.frames.get_mut(noted) {
+                frame.comment = Some("noted".to_owned());
+            }
+            let edit = Edit::between(&before, &after, "Any");
+            let written = serde_json::to_string(&edit).unwrap();
+            prop_assert_eq!(&serde_json::from_str::<Edit>(&written).unwrap(), &edit);
+            edit.apply(&mut before).unwrap();
+            prop_assert_eq!(before, after);
+        }
+    }
+}

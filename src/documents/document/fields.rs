@@ -1,0 +1,66 @@
+//! The fields of a document: its cameras may be at different venues.
+
+use super::{Camera, Document, DocumentAt, FieldSpec, Frame};
+use std::sync::Arc;
+use touchline_core::field::{FieldError, FieldModel};
+
+/// The fields that a document's cameras look at, each built once.
+#[derive(Clone, Debug)]
+pub struct Fields {
+    /// The document's own comes last.
+    models: Vec<(FieldSpec, Arc<FieldModel>)>,
+}
+
+impl Fields {
+    /// Every field of a document, with the click noise that it uses.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
+        Self::with(document.document, |spec| document.model_of(spec).map(Arc::new))
+    }
+
+    /// The same with the click noise that their templates state.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub fn as_stated(document: DocumentAt<'_>) -> Result<Self, FieldError> {
+        Self::with(document.document, |spec| spec.model(document.folder).map(Arc::new))
+    }
+
+    /// Every field of a document, built in a way of the caller's.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub fn with(
+        document: &Document,
+        mut model: impl FnMut(&FieldSpec) -> Result<Arc<FieldModel>, FieldError>,
+    ) -> Result<Self, FieldError> {
+        let mut models: Vec<(FieldSpec, Arc<FieldModel>)> = Vec::new();
+        let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
+        for spec in own.filter(|spec| **spec != document.field).chain([&document.field]) {
+            if !models.iter().any(|(known, _)| known == spec) {
+                models.push((spec.clone(), model(spec)?));
+            }
+        }
+        Ok(Self { models })
+    }
+
+    /// The field that a frame shows.
+    #[must_use]
+    pub fn of_frame(&self, document: &Document, frame: &Frame) -> &Arc<FieldModel> {
+        self.of_spec(document.field_of(frame))
+    }
+
+    /// The field of each camera, in the document's order.
+    #[must_use]
+    pub fn of_cameras(&self, document: &Document) -> Vec<Arc<FieldModel>> {
+        let of_camera = |camera: &Camera| self.of_spec(camera.field.as_ref().unwrap_or(&document.field));
+        document.cameras.iter().map(|camera| Arc::clone(of_camera(camera))).collect()
+    }
+
+    fn of_spec(&self, spec: &FieldSpec) -> &Arc<FieldModel> {
+        let at = self.models.iter().position(|(known, _)| known == spec).unwrap_or(self.models.len() - 1);
+        &self.models[at].1
+    }
+}

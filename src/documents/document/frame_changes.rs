@@ -1,0 +1,59 @@
+//! Which frames changed from one state of a document to another, for deriving values from them.
+
+use super::Frames;
+
+/// If more frames than this have changed, deriving everything anew is quicker.
+const MANY: usize = 64;
+
+/// Which frames changed from one state of a document to another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FrameChanges {
+    /// Those at these positions, ascending; every other frame is the same and in its place.
+    At(Vec<usize>),
+    /// Frames came or went, or many changed.
+    Anew,
+}
+
+impl Frames {
+    /// What changed since an earlier state. Takes time for what changed, not for what both states share.
+    #[must_use]
+    pub fn changes_since(&self, before: &Self) -> FrameChanges {
+        if self.len() != before.len() {
+            return FrameChanges::Anew;
+        }
+        let changed = self.differences(before);
+        if changed.len() > MANY { FrameChanges::Anew } else { FrameChanges::At(changed) }
+    }
+
+    /// The positions at which frames changed since an earlier state; none where frames came, went or moved.
+    pub fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
+        let changed = (self.len() == before.len()).then(|| self.differences(before))?;
+        changed.iter().all(|&position| self[position].id == before[position].id).then_some(changed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Frame, Shared};
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn few_changes_are_named_and_many_are_not() {
+        let frame = |index: usize| -> Shared<Frame> {
+            Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 36)).into()
+        };
+        let before: Frames = (0..1000).map(frame).collect();
+        let mut after = before.clone();
+        assert_eq!(after.changes_since(&before), FrameChanges::At(Vec::new()));
+        for position in [7, 900] {
+            after[position].comment = Some("rain".to_owned());
+        }
+        assert_eq!(after.changes_since(&before), FrameChanges::At(vec![7, 900]));
+        after.pop();
+        assert_eq!(after.changes_since(&before), FrameChanges::Anew);
+        let mut many = before.clone();
+        many.iter_mut().take(MANY + 1).for_each(|frame| frame.comment = Some("rain".to_owned()));
+        assert_eq!(many.changes_since(&before), FrameChanges::Anew);
+    }
+}

@@ -1,0 +1,102 @@
+//! A frame's camera: what a solve found, and what the program proposed before a person corrected it.
+
+use super::{BetterName, Click, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target};
+use touchline_core::camera::{Ptz, Radial};
+use touchline_core::solve::{FrameSolution, judge};
+
+/// This many equations determine a camera without a proposal.
+pub const ENOUGH_EQUATIONS: usize = 3;
+
+impl Frame {
+    /// Whether its camera comes from its own clicks.
+    #[must_use]
+    pub fn is_solved_by_clicks(&self) -> bool {
+        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
+    }
+
+    /// Whether its named clicks determine a camera by themselves: a landmark counts for two equations, a line for one.
+    fn clicks_decide(&self) -> bool {
+        let equations = |click: &Click| click.target.as_ref().map_or(0, Target::equations);
+        let used = self.clicks.iter().filter(|click| !click.check);
+        used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
+    }
+
+    /// Points its camera, with the lens that is used at this focal length. What the document holds beside these numbers stays.
+    pub fn point(&mut self, ptz: Ptz, lens: Radial) {
+        let before = self.ptz.take();
+        let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
+        let lens = (!lens.is_none() || recorded).then_some(lens);
+        let extra = before.map(|before| before.extra).unwrap_or_default();
+        self.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
+    }
+
+    /// Takes over what a solve found.
+    pub fn record(&mut self, solved: &FrameSolution) {
+        let proposed = self.proposed();
+        let by_clicks = self.clicks_decide();
+        let source =
+            proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
+        self.point(solved.ptz, solved.lens);
+        let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
+        self.solution = Some(Solution {
+            covariance: Some(solved.covariance),
+            own_covariance: Some(solved.uncertainty.own_covariance_deg()),
+            rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
+            worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
+            source: Some(source),
+            confidence: None,
+            timings_ms: None,
+            samples: None,
+            line_check: None,
+            proposed,
+            verdict: Some(judge(solved, self.image_size).verdict),
+            disputed: solved.disputed(),
+            warnings: solved
+                .warnings
+                .iter()
+                .enumerate()
+                .map(|(place, warning)| SolutionWarning {
+                    clicks: warning.clicks.clone(),
+                    // The first warning tells of the names.
+                    renames: solved.identity.iter().filter(|_| place == 0).flat_map(BetterName::all).collect(),
+                    ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
+                })
+                .collect(),
+            extra,
+        });
+    }
+
+    /// What the program proposed, whether or not it was corrected since.
+    #[must_use]
+    pub fn proposed(&self) -> Option<Proposed> {
+        let solution = self.solution.as_ref()?;
+        if let Some(kept) = &solution.proposed {
+            return Some(kept.clone());
+        }
+        let is_proposed = self.is_suggestion() || self.is_snapped() && !self.clicks_decide();
+        let (source, ptz) = (solution.source?, self.ptz.clone().filter(|_| is_proposed)?);
+        Some(Proposed {
+            ptz,
+            source,
+            confidence: solution.confidence,
+            covariance: solution.covariance,
+            own_covariance: solution.own_covariance,
+            worst_corner_sigma_px: solution.worst_corner_sigma_px,
+        })
+    }
+
+    /// Whether a person corrected a proposal and no click is left of it: then the proposal holds again. True if it does now.
+    pub fn restore_proposed(&mut self) -> bool {
+        let Some(proposed) = self.solution.as_mut().and_then(|solution| solution.proposed.take()) else { return false };
+        self.ptz = Some(proposed.ptz);
+        self.solution = Some(Solution {
+            covariance: proposed.covariance,
+            own_covariance: proposed.own_covariance,
+            worst_corner_sigma_px: proposed.worst_corner_sigma_px,
+            source: Some(proposed.source),
+            confidence: proposed.confidence,
+            ..Solution::default()
+        });
+        true
+    }
+}

@@ -1,0 +1,178 @@
+//! Edits whose base is not known, put into another document: what they say of a frame, but not what it was before.
+//!
+//! Without the base nobody can tell what the edits changed and what only the document changed. So work is never taken away: a
+//! frame with clicks or a decision gives way only to another such frame, and every frame that gives way, or keeps its place
+//! although the edits say otherwise, is named.
+
+use super::merge::show_suggestions;
+use super::{Camera, Change, Document, Edit, Frame, Merged, OldChange, Shared, SplitDocument};
+use std::collections::BTreeMap;
+
+/// Puts the frames that edits hold into a document that the edits do not start from. What the edits removed cannot be known and
+/// stays; frames for which they only suggest something, and changes of cameras and field, are not taken.
+#[must_use]
+pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
+    let mut document = SplitDocument::of(onto.clone()).into_edited();
+    let mut conflicts = add_new_cameras(edits, &mut document);
+    for held in last_frames(edits) {
+        let frame = held.without_suggestion();
+        let same_picture = || document.frames.iter().position(|known| known.name() == frame.name());
+        let place = document.frames.position_of(&frame.id).or_else(same_picture);
+        let Some(known) = place.and_then(|place| document.frames.get_mut(place)) else {
+            document.frames.push(frame.into());
+            continue;
+        };
+        let frame = Frame { id: known.id.clone(), revision: known.revision, ..frame };
+        if frame == **known || has_only_picture(&frame) {
+            continue;
+        }
+        if !has_only_picture(known) {
+            conflicts.push(known.name());
+        }
+        if has_work(&frame) || !has_work(known) {
+            *known = frame.into();
+        }
+    }
+    show_suggestions(&mut document, [onto, onto]);
+    document.count_edits_since(onto);
+    Merged { document, conflicts }
+}
+
+/// The last state of each frame that the edits hold, in the order in which the edits first name them.
+fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
+    let held = edits.iter().flat_map(|edit| &edit.changes).flat_map(|change| match change {
+        Change::Frame { frame, .. } | Change::Old(OldChange::Frame { frame, .. }) => std::slice::from_ref(frame),
+        Change::Insert { frames, .. } | Change::Old(OldChange::Frames { insert: frames, .. }) => frames,
+        Change::Remove(_) | Change::Order(_) | Change::Cameras(_) | Change::Field(_) | Change::Rest { .. } => &[],
+    });
+    let mut places = BTreeMap::new();
+    let mut last: Vec<&Shared<Frame>> = Vec::new();
+    for frame in held {
+        let place = *places.entry(&frame.id).or_insert(last.len());
+        if place == last.len() {
+            last.push(frame);
+        } else {
+            last[place] = frame;
+        }
+    }
+    last
+}
+
+/// Adds the cameras that the document lacks, as its new frames may name them; the names of those that differ, and of a field
+/// that does.
+fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
+    let changes = || edits.iter().rev().flat_map(|edit| edit.changes.iter().rev());
+    let cameras: &[Shared<Camera>] = changes()
+        .find_map(|change| if let Change::Cameras(cameras) = change { Some(&cameras[..]) } else { None })
+        .unwrap_or_default();
+    let mut differing = Vec::new();
+    for camera in cameras {
+        match document.camera(&camera.id) {
+            None => document.cameras.push(camera.clone()),
+            Some(known) if *known == **camera => {}
+            Some(_) => differing.push(format!("camera {}", camera.id)),
+        }
+    }
+    let field = changes().find_map(|change| if let Change::Field(field) = change { Some(field) } else { None });
+    if field.is_some_and(|field| *field != document.field) {
+        differing.push("the field".to_owned());
+    }
+    differing
+}
+
+/// Whether a person clicked in a frame, gave it a camera or decided on it.
+fn has_work(frame: &Frame) -> bool {
+    !frame.is_untouched()
+}
+
+/// Whether a frame is as it was when it was made: it says nothing that a person did.
+fn has_only_picture(frame: &Frame) -> bool {
+    let Frame { id, revision, image, camera, video, sha256, image_size, clip, extra, .. } = frame.clone();
+    let made = Frame { id, revision, image, video, sha256, clip, extra, ..Frame::from_image("", camera, image_size) };
+    made == *frame
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Click, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+
+    const SIZE: ImageSize = ImageSize::new(64, 48);
+
+    fn document(names: &[&str]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), SIZE).into());
+        document.frames = names.iter().map(|name| Frame::from_image(name, "main".into(), SIZE).into()).collect();
+        document
+    }
+
+    fn accept(frame: &mut Frame, x: f64) {
+        frame.clicks.push(Click::unnamed(ImagePoint::new(x, 1.0)));
+        frame.status = FrameStatus::Reference;
+    }
+
+    fn propose(frame: &mut Frame) {
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        frame.status = FrameStatus::Suggested;
+        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+    }
+
+    fn comments(document: &Document) -> Vec<String> {
+        document.frames.iter().map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default()).collect()
+    }
+
+    #[test]
+    fn edits_of_an_unknown_document_bring_their_frames() {
+        let base = document(&["a", "b"]);
+        let mut ours = base.clone();
+        ours.frames[1].comment = Some(" ours".to_owned());
+        ours.frames.push(Frame::from_image("new", "main".into(), SIZE).into());
+        let edits = [Edit::between(&base, &ours, "Both")];
+        let theirs = document(&["b", "z"]);
+        let Merged { document, conflicts } = graft(&edits, &theirs);
+        assert_eq!((comments(&document), conflicts.len()), (["b ours", "z", "new"].map(str::to_owned).to_vec(), 0));
+    }
+
+    #[test]
+    fn a_proposal_takes_no_label_away() {
+        let base = document(&["a", "b", "c"]);
+        let mut proposed = base.clone();
+        proposed.frames.iter_mut().for_each(|frame| propose(frame));
+        let edits = [Edit::between(&base, &proposed, "Proposals for 3 frames")];
+        let mut now = base;
+        accept(&mut now.frames[0], 1.0);
+        now.frames[1].status = FrameStatus::Rejected;
+        assert_eq!(graft(&edits, &now), Merged { document: now, conflicts: Vec::new() });
+    }
+
+    #[test]
+    fn a_frame_that_gives_way_and_one_that_does_not_are_named() {
+        let base = document(&["a", "b", "c"]);
+        let mut ours = base.clone();
+        accept(&mut ours.frames[0], 1.0);
+        ours.frames[1].comment = Some(" ours".to_owned());
+        let mut now = base.clone();
+        accept(&mut now.frames[0], 2.0);
+        accept(&mut now.frames[1], 2.0);
+        propose(&mut now.frames[2]);
+        let Merged { document, conflicts } = graft(&[Edit::between(&base, &ours, "Two")], &now);
+        assert_eq!(conflicts, ["a", "b"]);
+        assert_eq!(document.frames[0].clicks, ours.frames[0].clicks);
+        assert_eq!(document.frames[1].clicks, now.frames[1].clicks, "a comment takes no clicks away");
+        assert_eq!(document.frames[2], now.frames[2], "what was suggested is shown again");
+    }
+
+    #[test]
+    fn cameras_of_new_frames_come_along_and_others_are_named() {
+        let base = document(&["a"]);
+        let mut ours = base.clone();
+        ours.cameras[0].click_noise_px = Some(3.0);
+        ours.cameras.push(Camera::new("second".into(), SIZE).into());
+        ours.field.template = "futsal".to_owned();
+        let Merged { document, conflicts } = graft(&[Edit::between(&base, &ours, "Cameras")], &base);
+        assert_eq!(conflicts, ["camera main", "the field"]);
+        assert_eq!((document.cameras.len(), document.cameras[0].click_noise_px), (2, None));
+    }
+}

@@ -1,0 +1,171 @@
+//! The document: typed schema, versions, edits, history (undo), reading and writing its text. No disk, no solver.
+//!
+//! [`Document`] and what it holds mirror the JSON of a project or dataset key by key, in the document's own units
+//! (degrees, metres, px), so that a number that is read is written back to the last digit. The way to the mathematics
+//! leads through [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
+//! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
+//!
+//! # Schema
+//!
+//! Every key that this program knows is typed, checked when it is read, and is listed here; the linked items give details. A key
+//! with `?` may be absent. Whatever else a file holds is kept as it is.
+//!
+//! The document ([`Document`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `format`, `version` | [`FORMAT_NAME`] and at most [`DOCUMENT_VERSION`]; a newer version is refused and left as it is |
+//! | `generator` | the program that wrote the file |
+//! | `conventions?` | world, image, rotation and angles in words, for people |
+//! | `field` | `template`, `params?` by name, and `size?`: whether its size is `assumed`, `confirmed` or `fitted` ([`FieldSpec`], [`FieldSize`]) |
+//! | `cameras`, `frames` | below |
+//! | `click_noise?` | the annotator's own click noise: `use`, `hand_factor`, `hand_factor_by_landmark?`, `sigma_px`, `sigma_interval_95_px`, `repeats` ([`ClickNoise`]) |
+//! | `shots?` | `from`, `to` (frame ids or video frame numbers), `camera?`, `kind`: `cut`, `fade`, `by_hand` ([`Shot`]) |
+//!
+//! A camera ([`Camera`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `id` | the name that frames refer to |
+//! | `image_size_px`, `principal_point_px` | of its pictures, px |
+//! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
+//! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]); `k2_per_k1_squared?`: k₂ = this · k₁² ([`Distortion`]) |
+//! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg`, `correlation?` ([`CameraSigma`]) |
+//! | `masks_px?` | boxes `[x, y, width, height]` that give no features in any frame, px |
+//! | `masks?` | boxes for some frames, or found by the program: `box_px`, `from?`, `to?` (video frames), `source`: `found`, `by_hand` ([`RangedMask`]) |
+//! | `click_noise_px?` | 1-σ of a click in its pictures, px |
+//! | `sensor_width_mm?` | the width of its sensor, mm |
+//! | `stage?` | the stage in whose axes its tracks are written: `origin_m`, `heading_deg?` ([`Stage`]) |
+//! | `field?` | its own field, where that is not the document's |
+//!
+//! A frame ([`Frame`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `id` | unique in the document, 1 to 128 bytes; a file without ids gets them from its pictures ([`FrameId`]) |
+//! | `revision?` | counts its edits, by people and by commands, undo included; absent: 0 |
+//! | `image?`, `video?` | where its picture is: a path; `path`, `frame_index`, `pts_s?` ([`VideoFrame`]). Paths are relative to the document's folder or absolute |
+//! | `sha256?` | of the image file, hexadecimal |
+//! | `camera`, `image_size_px` | its camera's `id`, and the size of its picture, px |
+//! | `status`, `reason?` | `new`, `draft`, `suggested`, `reference`, `rejected` and why ([`FrameStatus`], [`RejectReason`]) |
+//! | `clip?` | its shot, a number or a word ([`Clip`]) |
+//! | `comment?` | what somebody noted |
+//! | `use_for_base?` | `false` leaves it out when a base is estimated |
+//! | `use_for_training?` | whether the forest is trained with it; read also as `teaches`; absent: accepted suggestions are not used |
+//! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round`, `at?` ([`Repeat`]) |
+//! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
+//! | `clicks` | `landmark` or `line`, `image_px`, `check?`, `snapped_sigma_px?`: moved to the paint, known to this 1-σ ([`Click`]) |
+//! | `masks_px?` | boxes that give no features in this frame, px |
+//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
+//! | `solution?` | below |
+//!
+//! A solution ([`Solution`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `covariance?` | 3 × 3 in the order `pan_deg`, `tilt_deg`, `focal_px` |
+//! | `rms_px?`, `worst_corner_sigma_px?` | residuals, and 1-σ of the overlay at the worst corner, px |
+//! | `source?` | [`SolutionSource`] |
+//! | `confidence?` | 0 to 1: that the overlay is right within 10 px at 1920 px width |
+//! | `samples?` | how many samples of painted lines took part |
+//! | `line_check?` | the evidence of the paint: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
+//! | `proposed?` | what the program proposed before a person corrected it ([`Proposed`]) |
+//! | `timings_ms?` | `features`, `predict`, `pose` ([`TimingsMs`]) |
+//! | `verdict?` | on the clicks when they were solved |
+//! | `disputed?` | indices of clicks that disagree with the others |
+//! | `warnings` | `code`, `message`, `clicks?` and `renames?`: names that fit better ([`SolutionWarning`]) |
+//!
+//! `edited` is for programs and people who keep account of their work: it is read, checked and written back, and the program
+//! fills nothing in. It does not know the annotator's name, and the same input gives the same bytes.
+
+pub(crate) mod adapters;
+mod at;
+mod beneath;
+mod camera;
+mod camera_id;
+mod click;
+mod click_noise;
+mod common_base;
+mod create;
+mod dataset;
+#[allow(clippy::module_inception, reason = "the room is named after what it is about")]
+mod document;
+mod edit;
+mod edit_mismatch;
+mod extra;
+mod field_spec;
+mod fields;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+#[allow(clippy::must_use_candidate, reason = "for tests alone")]
+pub mod fixtures;
+mod frame;
+mod frame_changes;
+mod frame_id;
+mod frame_solution;
+mod frames;
+mod gold;
+mod graft;
+mod history;
+mod mask;
+mod merge;
+mod old_edit;
+mod package;
+mod paths;
+mod read;
+mod repeat;
+mod schema;
+mod shared;
+mod shot;
+mod shots;
+mod solution;
+mod split_document;
+mod step_edit;
+mod suggestion;
+mod unanswered;
+mod uses;
+mod video_shots;
+mod write;
+
+pub use at::DocumentAt;
+pub use camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
+pub use camera_id::CameraId;
+pub use click::{Click, Target};
+pub use click_noise::{ClickNoise, StoredClickNoise};
+pub(crate) use common_base::common_base;
+pub use create::document_from_frames;
+pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
+pub use edit::{Change, Edit, EditKind};
+pub use edit_mismatch::EditMismatch;
+pub use extra::Extra;
+pub use field_spec::{CROWN, FieldSize, FieldSpec};
+pub use fields::Fields;
+pub use frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
+pub use frame_changes::FrameChanges;
+pub use frame_id::FrameId;
+pub use frame_solution::ENOUGH_EQUATIONS;
+pub use frames::Frames;
+pub use gold::RepeatedClicks;
+pub(crate) use graft::graft;
+pub use history::{History, Step, Undoable};
+pub use mask::{MaskSource, RangedMask};
+pub use merge::{Merged, merge};
+pub use old_edit::OldChange;
+pub use package::{restore_package, split_into_packages};
+pub use paths::{path_between, resolved};
+pub use read::{ReadError, document_from_bytes};
+pub use repeat::Repeat;
+pub use schema::SCHEMA;
+#[cfg(feature = "schema")]
+pub use schema::schema_of_types;
+pub use shared::Shared;
+pub use shot::{Shot, ShotEnd, ShotKind};
+pub use shots::shots;
+pub use solution::{
+    BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning, TimingsMs,
+};
+pub use split_document::SplitDocument;
+pub use step_edit::{StepEdit, StepMisfit};
+pub use suggestion::Suggestion;
+pub use video_shots::{ShotsError, VideoShots};
+pub use write::{WriteError, document_to_string};

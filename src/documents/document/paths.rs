@@ -1,0 +1,146 @@
+//! A document's paths when it moves to another folder.
+
+use super::Document;
+use std::path::{Component, Path, PathBuf};
+
+impl Document {
+    /// The document as it must read in another folder, so that its relative paths point at the same files.
+    ///
+    /// Absolute paths stay. Both folders are absolute; across drives a path becomes absolute.
+    #[must_use]
+    pub fn relocated(mut self, from_folder: &Path, to_folder: &Path) -> Self {
+        if from_folder == to_folder {
+            return self;
+        }
+        let relocate = |path: &str| relocate(path, from_folder, to_folder);
+        for frame in &mut self.frames {
+            let image = frame.image.as_deref().and_then(relocate);
+            let video = frame.video.as_ref().and_then(|video| relocate(&video.path));
+            if image.is_some() {
+                frame.image = image;
+            }
+            if let Some(path) = video
+                && let Some(video) = &mut frame.video
+            {
+                video.path = path;
+            }
+        }
+        let fields = self.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
+        let fields = fields.filter_map(|camera| camera.field.as_mut()).chain([&mut self.field]);
+        for field in fields {
+            if field.is_file()
+                && let Some(path) = relocate(&field.template)
+            {
+                field.template = path;
+            }
+        }
+        self
+    }
+}
+
+/// What stands in a path for a part of a name that is not UTF-8.
+const NOT_UTF8: char = char::REPLACEMENT_CHARACTER;
+
+impl Document {
+    /// The first path that names a file which is not there because a folder's or file's name is not UTF-8, as the document
+    /// must write it.
+    #[must_use]
+    pub fn unwritable_path(&self, folder: &Path) -> Option<&str> {
+        let mut paths = self.frames.iter().flat_map(|frame| {
+            let video = frame.video.as_ref().map(|video| video.path.as_str());
+            [frame.image.as_deref(), video].into_iter().flatten()
+        });
+        paths.find(|path| path.contains(NOT_UTF8) && !folder.join(path).exists())
+    }
+}
+
+/// A relative path as it reads from another folder; none for an absolute one, which stays.
+fn relocate(path: &str, from_folder: &Path, to_folder: &Path) -> Option<String> {
+    (!is_absolute(path)).then(|| path_between(to_folder, &from_folder.join(path)))
+}
+
+/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`. A file may be called `a:1.jpg`.
+fn is_absolute(path: &str) -> bool {
+    let is_on_drive = matches!(path.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
+    Path::new(path).is_absolute() || path.starts_with(['/', '\\']) || is_on_drive
+}
+
+/// How a file is called from a folder, with `/` between the parts; absolute where they share no root.
+#[must_use]
+pub fn path_between(folder: &Path, file: &Path) -> String {
+    let (folder, file) = (normalised(folder), normalised(file));
+    let shared = folder.iter().zip(&file).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return file.iter().collect::<PathBuf>().to_string_lossy().into_owned();
+    }
+    let up = std::iter::repeat_n("..".to_owned(), folder.len() - shared);
+    let down = file[shared..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}
+
+/// A path without symbolic links, as far as it exists; the rest follows as it is written.
+#[must_use]
+pub fn resolved(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    for ancestor in path.ancestors() {
+        if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
+            // An empty rest would make a folder of a file.
+            return if rest.as_os_str().is_empty() { real } else { real.join(rest) };
+        }
+    }
+    path
+}
+
+/// The parts of a path with `.` and `..` taken out where that needs no look at the disk.
+fn normalised(path: &Path) -> Vec<Component<'_>> {
+    let mut parts = Vec::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(parts.last(), Some(Component::Normal(_))) => {
+                parts.pop();
+            }
+            Component::ParentDir if matches!(parts.last(), Some(Component::RootDir)) => {}
+            other => parts.push(other),
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{FieldSpec, Frame, VideoFrame};
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn paths_between_folders() {
+        let between = |folder, file| path_between(Path::new(folder), Path::new(file));
+        assert_eq!(between("/a/b", "/a/b/images/1.jpg"), "images/1.jpg");
+        assert_eq!(between("/a/c", "/a/b/../b/images/1.jpg"), "../b/images/1.jpg");
+        assert_eq!(between("/x/y", "/a/1.jpg"), "../../a/1.jpg");
+        assert_eq!(between("/a/b", "/a/b/./../../1.jpg"), "../../1.jpg");
+    }
+
+    #[test]
+    fn relative_paths_follow_and_absolute_ones_stay() {
+        let mut document = Document::new(FieldSpec::new("fields/mine.json"));
+        let size = ImageSize::new(64, 48);
+        let mut both = Frame::from_image("images/1.jpg", "main".into(), size);
+        both.video = Some(VideoFrame::new("../match.mp4", 3, None));
+        document.frames.push(both.into());
+        document.frames.push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
+        document.frames.push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
+        document.frames.push(Frame::from_image("d:/data/4.jpg", "main".into(), size).into());
+        document.frames.push(Frame::from_image("a:1.jpg", "main".into(), size).into());
+        let moved = document.clone().relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
+        assert_eq!(moved.frames[0].image.as_deref(), Some("../../match/images/1.jpg"));
+        assert_eq!(moved.frames[0].video.as_ref().unwrap().path, "../../match.mp4");
+        assert_eq!(moved.field.template, "../../match/fields/mine.json");
+        assert_eq!(moved.frames[4].image.as_deref(), Some("../../match/a:1.jpg"), "a name, and no drive");
+        assert!(moved.frames.range(1..4).eq(document.frames.range(1..4)));
+        assert!(moved.frames[1].is_same(&document.frames[1]), "untouched frames are shared");
+        let back = moved.relocated(Path::new("/home/a/out/deep"), Path::new("/home/a/match"));
+        assert_eq!(back, document);
+    }
+}

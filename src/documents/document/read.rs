@@ -1,0 +1,355 @@
+//! From bytes to a document, with errors that say where and what.
+
+use super::document::conventions;
+use super::frames::DuplicateId;
+use super::{
+    Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
+    StoredClickNoise,
+};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use thiserror::Error;
+use touchline_core::files::plain;
+
+/// Why bytes are no document.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// Nothing is in the file.
+    #[error("the file is empty; a document is expected")]
+    Empty,
+    /// The text is not UTF-8.
+    #[error("not UTF-8 text (byte {offset}); a document is a JSON file")]
+    NotUtf8 {
+        /// The first byte that is not.
+        offset: usize,
+    },
+    /// The text is no JSON.
+    #[error("not valid JSON: {message} at line {line} column {column}")]
+    NotJson {
+        /// What the parser says.
+        message: String,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+    },
+    /// It is JSON, but no document.
+    #[error("not a touchline document: `format` is {found}, expected {:?}", FORMAT_NAME)]
+    NotADocument {
+        /// What `format` is.
+        found: String,
+    },
+    /// The `version` is no whole number above zero.
+    #[error("`version` is {found}, expected a whole number from 1 on")]
+    NoVersion {
+        /// What `version` is.
+        found: String,
+    },
+    /// A newer program wrote it.
+    #[error(
+        "the document has version {found}, this program reads up to {}; update touchline to open it",
+        DOCUMENT_VERSION
+    )]
+    NewerVersion {
+        /// The document's version.
+        found: u64,
+    },
+    /// Two frames have one id: an edit could mean either.
+    #[error(
+        "frames[{second}].id: {id} is also the id of frames[{first}]; take the key `id` away from one of the two, which then gets an id of its own"
+    )]
+    DuplicateFrameId {
+        /// The id.
+        id: FrameId,
+        /// The later frame's position.
+        second: usize,
+        /// The earlier one's.
+        first: usize,
+    },
+    /// Lists and objects lie too deep within each other.
+    #[error("lists and objects lie more than {MAX_DEPTH} deep within each other at line {line}; flatten what is there")]
+    TooDeep {
+        /// The line, from 1.
+        line: usize,
+    },
+    /// A key is missing or holds something unexpected.
+    #[error("{place}: {message} at line {line} column {column}")]
+    Schema {
+        /// Which key: `frames[3].status (images/0003.jpg)`.
+        place: String,
+        /// What is wrong with it.
+        message: String,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+    },
+}
+
+/// Reads a document.
+///
+/// # Errors
+/// Each names the place and what is wrong there; nothing is guessed.
+pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 { offset: error.valid_up_to() })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim_ascii().is_empty() {
+        return Err(ReadError::Empty);
+    }
+    refuse_depth(text)?;
+    match serde_json::from_str::<DocumentJson>(text) {
+        Ok(json) => {
+            check_header(&json.format, &json.version)?;
+            json.document()
+        }
+        Err(error) => Err(explain(text, &error)),
+    }
+}
+
+/// How deep lists and objects may lie within each other. The parser takes 128; what is edited is written into journals a few
+/// levels deeper, and must be read from there too.
+const MAX_DEPTH: usize = 100;
+
+/// Refuses a text whose lists and objects lie too deep within each other.
+fn refuse_depth(text: &str) -> Result<(), ReadError> {
+    let (mut depth, mut is_quoted, mut is_escaped) = (0_usize, false, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            _ if is_escaped => is_escaped = false,
+            b'\\' if is_quoted => is_escaped = true,
+            b'"' => is_quoted = !is_quoted,
+            b'[' | b'{' if !is_quoted => {
+                depth += 1;
+                if depth > MAX_DEPTH {
+                    return Err(ReadError::TooDeep { line: text[..at].matches('\n').count() + 1 });
+                }
+            }
+            b']' | b'}' if !is_quoted => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// What no document lacks: a file without the first two is none.
+#[cfg(feature = "schema")]
+const REQUIRED: [&str; 5] = ["format", "version", "field", "cameras", "frames"];
+
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(title = "touchline document", extend("required" = REQUIRED)))]
+pub(super) struct DocumentJson {
+    /// Always `touchline`.
+    #[cfg_attr(feature = "schema", schemars(with = "String", extend("const" = FORMAT_NAME)))]
+    #[serde(default)]
+    format: Value,
+    /// The version of the schema; a newer one than the program knows is refused.
+    #[cfg_attr(feature = "schema", schemars(with = "u64", range(min = 1, max = DOCUMENT_VERSION)))]
+    #[serde(default)]
+    version: Value,
+    /// The program that wrote it.
+    #[serde(default)]
+    generator: String,
+    /// World, image, rotation and angles in words.
+    #[serde(default = "conventions")]
+    conventions: Map<String, Value>,
+    /// The field, unless a camera has its own.
+    field: FieldSpec,
+    /// The cameras.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Camera>"))]
+    cameras: Vec<Shared<Camera>>,
+    /// The frames, in the order in which a person steps through them.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Frame>"))]
+    frames: Vec<Shared<Frame>>,
+    /// The annotator's own click noise.
+    #[serde(default)]
+    click_noise: Option<StoredClickNoise>,
+    /// The shots of its videos.
+    #[serde(default)]
+    shots: Vec<Shot>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    extra: Extra,
+}
+
+impl DocumentJson {
+    fn document(self) -> Result<Document, ReadError> {
+        let Self { generator, conventions, field, cameras, frames, click_noise, shots, extra, .. } = self;
+        let frames = Frames::read(frames).map_err(|DuplicateId { id, second, first }| ReadError::DuplicateFrameId {
+            id,
+            second,
+            first,
+        })?;
+        Ok(Document { generator, conventions, field, cameras, frames, click_noise, shots, extra })
+    }
+}
+
+fn check_header(format: &Value, version: &Value) -> Result<(), ReadError> {
+    if format.as_str() != Some(FORMAT_NAME) {
+        return Err(ReadError::NotADocument { found: shown(format) });
+    }
+    match version.as_u64() {
+        Some(1..=DOCUMENT_VERSION) => Ok(()),
+        Some(found) if found > DOCUMENT_VERSION => Err(ReadError::NewerVersion { found }),
+        _ => Err(ReadError::NoVersion { found: shown(version) }),
+    }
+}
+
+/// A JSON value in a message: as it stands, shortened.
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Null => "missing".to_owned(),
+        Value::Array(_) => "an array".to_owned(),
+        Value::Object(_) => "an object".to_owned(),
+        other => {
+            let text = plain(&other.to_string());
+            if text.chars().count() > 40 { text.chars().take(40).chain(['…']).collect() } else { text }
+        }
+    }
+}
+
+/// The message of a JSON error without its position.
+fn message_of(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    text.rfind(" at line ").map_or(text.as_str(), |end| &text[..end]).to_owned()
+}
+
+/// What the parser says of a text that is no JSON.
+fn syntax_message(error: &serde_json::Error) -> String {
+    match message_of(error) {
+        message if message == "expected value" => "expected a value (JSON has no NaN and no Infinity)".to_owned(),
+        message => message,
+    }
+}
+
+/// Says of a text that could not be read what is wrong with it, most telling first.
+fn explain(text: &str, error: &serde_json::Error) -> ReadError {
+    let value = match serde_json::from_str::<Value>(text) {
+        Ok(value) => value,
+        Err(syntax) => {
+            return ReadError::NotJson {
+                message: syntax_message(&syntax),
+                line: syntax.line(),
+                column: syntax.column(),
+            };
+        }
+    };
+    let key = |name: &str| value.get(name).unwrap_or(&Value::Null);
+    if let Err(header) = check_header(key("format"), key("version")) {
+        return header;
+    }
+    let (place, message) = place(&value).unwrap_or_else(|| ("the document".to_owned(), message_of(error)));
+    ReadError::Schema { place: plain(&place), message: plain(&message), line: error.line(), column: error.column() }
+}
+
+/// Where the first thing lies that does not fit the schema, and what it is.
+fn place(document: &Value) -> Option<(String, String)> {
+    let fails = |value: &Value| FieldSpec::deserialize(value).err().map(|error| error.to_string());
+    if let Some(found) = document.get("field").and_then(|field| found(field, "field", &fails)) {
+        return Some(found);
+    }
+    let fails = |value: &Value| Camera::deserialize(value).err().map(|error| error.to_string());
+    for (index, camera) in elements(document, "cameras") {
+        if let Some((place, message)) = found(camera, &format!("cameras[{index}]"), &fails) {
+            return Some((named(place, camera, "id"), message));
+        }
+    }
+    let fails = |value: &Value| Frame::deserialize(value).err().map(|error| error.to_string());
+    for (index, frame) in elements(document, "frames") {
+        if let Some((place, message)) = found(frame, &format!("frames[{index}]"), &fails) {
+            return Some((named(place, frame, "image"), message));
+        }
+    }
+    let fails = |value: &Value| Shot::deserialize(value).err().map(|error| error.to_string());
+    let mut shots = elements(document, "shots");
+    shots.find_map(|(index, shot)| found(shot, &format!("shots[{index}]"), &fails))
+}
+
+fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {
+    document.get(key).and_then(Value::as_array).into_iter().flatten().enumerate()
+}
+
+fn named(place: String, value: &Value, key: &str) -> String {
+    match value.get(key).and_then(Value::as_str) {
+        Some(name) => format!("{place} ({name})"),
+        None => place,
+    }
+}
+
+/// How many values are looked at to find out which of them is wrong. A file may have any number; beyond, the place that is known
+/// by then is said.
+const MOST_LOOKS: usize = 1_000_000;
+
+/// Where in a value a failure lies, and what it is; none where it does not fail.
+fn found(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+    let mut looks = MOST_LOOKS;
+    descend(&Part { value, place, around: 0 }, &mut looks, fails)
+}
+
+/// A part of a value that fails.
+struct Part<'a> {
+    value: &'a Value,
+    place: &'a str,
+    /// How many values are looked at beside it when it is.
+    around: usize,
+}
+
+/// Follows a failure down to the key whose absence changes it.
+fn descend(part: &Part, looks: &mut usize, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+    let &Part { value, place, around } = part;
+    let message = fails(value)?;
+    // Whether so many values may still be looked at.
+    let mut may_look = |values: usize| {
+        let left = looks.checked_sub(around + values);
+        *looks = left.unwrap_or(0);
+        left.is_some()
+    };
+    match value {
+        Value::Object(map) => {
+            let size = count(value);
+            for (index, (key, inner)) in map.iter().enumerate() {
+                if !may_look(size) {
+                    break;
+                }
+                let mut without = map.clone();
+                without.shift_remove(key);
+                if fails(&Value::Object(without.clone())).as_ref() == Some(&message) {
+                    continue;
+                }
+                let with = |inner: &Value| {
+                    let mut map = without.clone();
+                    map.shift_insert(index, key.clone(), inner.clone());
+                    fails(&Value::Object(map))
+                };
+                // What is wrong may be the value as a whole: a list that is too long.
+                let within = format!("{place}.{key}");
+                let part = Part { value: inner, place: &within, around: around + size - count(inner) };
+                return descend(&part, looks, &with).or(Some((within, message)));
+            }
+        }
+        Value::Array(items) if items.iter().all(Value::is_object) => {
+            let alone = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
+            for (index, inner) in items.iter().enumerate() {
+                if !may_look(count(inner)) {
+                    break;
+                }
+                if alone(inner).is_some() {
+                    let within = format!("{place}[{index}]");
+                    return descend(&Part { value: inner, place: &within, around }, looks, &alone);
+                }
+            }
+        }
+        _ => {}
+    }
+    Some((place.to_owned(), message))
+}
+
+/// How many values a value is, with those in it.
+fn count(value: &Value) -> usize {
+    1 + match value {
+        Value::Array(items) => items.iter().map(count).sum(),
+        Value::Object(map) => map.values().map(count).sum(),
+        _ => 0,
+    }
+}

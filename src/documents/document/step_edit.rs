@@ -1,0 +1,119 @@
+//! The history of a document as edits: what each edit of a journal is to it, and what of it is kept beside a saved document.
+
+use super::edit::apply_all;
+use super::{Change, Document, Edit, EditKind, EditMismatch, History, SplitDocument, Step, Undoable as _};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A step, and what leads from one side of it to the other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepEdit {
+    /// What a person did.
+    pub step: Step,
+    /// What changes, to be applied in this order.
+    pub changes: Vec<Change>,
+}
+
+/// A step that does not fit the document which those nearer to it lead to.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("“{name}” does not fit: {source}")]
+pub struct StepMisfit {
+    /// The step's name.
+    pub name: String,
+    /// Why it does not fit.
+    pub source: EditMismatch,
+}
+
+impl StepEdit {
+    fn between(from: &Document, to: &Document, step: &Step) -> Self {
+        Self { step: step.clone(), changes: Edit::between(from, to, "").changes }
+    }
+}
+
+impl History<Document> {
+    /// Makes an edit of `document` and takes it for what it is to undo and redo, as the history did in which it was made.
+    /// An edit of what people did that is not a step, or does not fit its step, ends the history: nothing before it can be undone.
+    /// Suggestions are not part of it.
+    ///
+    /// # Errors
+    /// The edit does not fit; document and history are as they were.
+    pub fn follow(&mut self, document: &mut SplitDocument, edit: Edit) -> Result<(), EditMismatch> {
+        let Edit { name, kind, changes } = edit;
+        let mut shown = document.shown().clone();
+        apply_all(changes, &mut shown)?;
+        let before = document.edited().clone();
+        document.go_on_to(shown);
+        let after = document.edited();
+        let mut state = before.clone();
+        let is_followed = match kind {
+            EditKind::NoStep => before.is_same_state(after),
+            EditKind::Step { frame } => {
+                self.begin(&before, Step { name, frame });
+                self.commit(after);
+                true
+            }
+            EditKind::Continued => {
+                let last = self.next_undo().cloned();
+                let resumed = last.is_some_and(|step| self.resume(&before, &step));
+                self.commit(after);
+                resumed
+            }
+            EditKind::Undone => self.undo(&mut state).is_some() && state.is_same_state(after),
+            EditKind::Redone => self.redo(&mut state).is_some() && state.is_same_state(after),
+        };
+        if !is_followed {
+            self.clear();
+        }
+        Ok(())
+    }
+
+    /// What undo would make of `document`, which is the current one: the last step first, each from the document after it to
+    /// that before it.
+    pub fn undo_edits<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = StepEdit> + 'a {
+        edits_along(document, self.done.iter().rev())
+    }
+
+    /// What redo would make of `document`, which is the current one: the next step first.
+    pub fn redo_edits<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = StepEdit> + 'a {
+        edits_along(document, self.undone.iter().rev())
+    }
+
+    /// The history of `document` that [`Self::undo_edits`] and [`Self::redo_edits`] tell of. Where a step does not fit, the
+    /// history ends before it, and the step is told as well.
+    #[must_use]
+    pub fn from_edits(document: &Document, undo: Vec<StepEdit>, redo: Vec<StepEdit>) -> (Self, Option<StepMisfit>) {
+        let mut history = Self::default();
+        let mut misfit = None;
+        let mut done = walk(document, undo, &mut misfit);
+        done.truncate(Self::DEFAULT_LIMIT);
+        history.done = done.into_iter().rev().collect();
+        history.undone = walk(document, redo, &mut misfit).into_iter().rev().collect();
+        (history, misfit)
+    }
+}
+
+/// What leads from a document along the states that follow, each from the one before.
+fn edits_along<'a>(
+    document: &'a Document,
+    states: impl Iterator<Item = &'a (Step, Document)> + 'a,
+) -> impl Iterator<Item = StepEdit> + 'a {
+    states.scan(document, |from, (step, to)| {
+        let edit = StepEdit::between(from, to, step);
+        *from = to;
+        Some(edit)
+    })
+}
+
+/// The states that steps lead to, one after the other, up to one that does not fit.
+fn walk(document: &Document, edits: Vec<StepEdit>, misfit: &mut Option<StepMisfit>) -> Vec<(Step, Document)> {
+    let mut document = document.clone();
+    let mut states = Vec::with_capacity(edits.len());
+    for StepEdit { step, changes } in edits {
+        if let Err(source) = apply_all(changes, &mut document) {
+            misfit.get_or_insert(StepMisfit { name: step.name, source });
+            break;
+        }
+        states.push((step, document.clone()));
+    }
+    states
+}

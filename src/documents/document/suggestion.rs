@@ -1,0 +1,135 @@
+//! What the program suggests for a frame that nobody has decided on. In a file it stands in the frame; a program that edits
+//! the document takes it out, so that undo and redo leave it alone.
+
+use super::{Document, Frame, FramePtz, FrameStatus, Solution};
+use touchline_core::camera::CameraBase;
+
+/// A camera that the program suggests for a frame, or why it has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suggestion {
+    /// The revision of the frame that it was made for.
+    pub revision: u64,
+    /// The base of the frame's camera that it was made for; none where that camera had none.
+    pub base: Option<CameraBase>,
+    /// How the camera is pointed; none where no answer was found.
+    pub ptz: Option<FramePtz>,
+    /// How it came about, or why there is no answer.
+    pub solution: Option<Solution>,
+}
+
+impl Suggestion {
+    /// What a frame shows as suggested, its camera having this base; none where a person decided or nothing is suggested.
+    #[must_use]
+    pub fn in_frame(frame: &Frame, base: Option<&CameraBase>) -> Option<Self> {
+        let Frame { revision, ptz, solution, .. } = frame;
+        let suggestion =
+            || Self { revision: *revision, base: base.copied(), ptz: ptz.clone(), solution: solution.clone() };
+        frame.shows_suggestion().then(suggestion)
+    }
+
+    /// Puts it into its frame, as a file has it: with a camera the frame is `suggested`, without one it is `new`.
+    pub fn show_in(&self, frame: &mut Frame) {
+        frame.status = if self.ptz.is_some() { FrameStatus::Suggested } else { FrameStatus::New };
+        frame.ptz.clone_from(&self.ptz);
+        frame.solution.clone_from(&self.solution);
+    }
+
+    /// Whether the program looked for a camera and found none.
+    #[must_use]
+    pub const fn is_unanswered(&self) -> bool {
+        self.ptz.is_none()
+    }
+}
+
+impl Frame {
+    /// Whether nobody has clicked in it, given it a camera, accepted or rejected it. What the program suggests stands beside.
+    #[must_use]
+    pub fn is_untouched(&self) -> bool {
+        self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
+    }
+
+    /// Whether another document, by its version of it or for want of one, lacks something that a person made here: the clicks with
+    /// the decision, the comment, masks, or landmarks clicked again.
+    pub fn gives_way_in(&self, other: &Document) -> bool {
+        let mine = self.without_suggestion();
+        let Some(theirs) = other.frames.by_id(&self.id).map(|frame| frame.without_suggestion()) else {
+            return !mine.is_untouched() || mine.comment.is_some();
+        };
+        let has_same_labels =
+            (&mine.clicks, mine.status, mine.reason) == (&theirs.clicks, theirs.status, theirs.reason);
+        (!mine.is_untouched() && !has_same_labels)
+            || (mine.comment.is_some() && mine.comment != theirs.comment)
+            || (!mine.masks.is_empty() && mine.masks != theirs.masks)
+            || (!mine.repeats.is_empty() && mine.repeats != theirs.repeats)
+    }
+
+    /// Whether its camera, or the reason why it has none, is the program's alone: no click, and nobody has decided on it.
+    #[must_use]
+    pub fn shows_suggestion(&self) -> bool {
+        self.clicks.is_empty()
+            && match self.status {
+                FrameStatus::Suggested => self.ptz.is_some(),
+                FrameStatus::New => self.ptz.is_none() && self.solution.is_some(),
+                FrameStatus::Draft | FrameStatus::Reference | FrameStatus::Rejected => false,
+            }
+    }
+
+    /// The frame as people left it: without what the program suggests.
+    #[must_use]
+    pub fn without_suggestion(&self) -> Self {
+        let mut frame = self.clone();
+        if frame.shows_suggestion() {
+            (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
+        }
+        frame
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Click, SolutionSource};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+
+    fn frame(status: FrameStatus, ptz: bool, source: Option<SolutionSource>) -> Frame {
+        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+        frame.status = status;
+        frame.ptz = ptz.then(|| FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        frame.solution = source.map(|source| Solution { source: Some(source), ..Solution::default() });
+        frame
+    }
+
+    #[test]
+    fn a_suggestion_is_taken_out_of_its_frame_and_put_back() {
+        for frame in [
+            frame(FrameStatus::Suggested, true, Some(SolutionSource::Forest)),
+            frame(FrameStatus::Suggested, true, Some(SolutionSource::Tracking)),
+            frame(FrameStatus::Suggested, true, None),
+            frame(FrameStatus::New, false, Some(SolutionSource::Forest)),
+        ] {
+            let suggestion = Suggestion::in_frame(&frame, None).unwrap();
+            let mut without = frame.without_suggestion();
+            assert!(without.is_untouched() && without.solution.is_none() && !without.shows_suggestion());
+            suggestion.show_in(&mut without);
+            assert_eq!(without, frame);
+        }
+    }
+
+    #[test]
+    fn what_a_person_did_stays_in_the_frame() {
+        let mut clicked = frame(FrameStatus::Suggested, true, Some(SolutionSource::Forest));
+        clicked.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+        for frame in [
+            clicked,
+            frame(FrameStatus::New, false, None),
+            frame(FrameStatus::New, true, Some(SolutionSource::Import)),
+            frame(FrameStatus::Draft, true, Some(SolutionSource::Manual)),
+            frame(FrameStatus::Reference, true, Some(SolutionSource::Forest)),
+            frame(FrameStatus::Rejected, true, Some(SolutionSource::Forest)),
+        ] {
+            assert_eq!(Suggestion::in_frame(&frame, None), None);
+            assert_eq!(frame.without_suggestion(), frame);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What every format of cameras does.
+
+use super::error::ExchangeError;
+use super::files::Files;
+use super::frame_camera::FrameCamera;
+use super::into_document::Exactness;
+use super::options::{ExportOptions, ImportOptions};
+use super::picture_size::SizeSource;
+use super::rate::Rate;
+use super::timecode::Timecode;
+use std::path::Path;
+use touchline_core::field::FieldModel;
+
+/// How far a landmark may move through a format that keeps all digits, px.
+pub const EXACT_PX: f64 = 1e-6;
+
+/// What is known beside the frames when they are written.
+pub struct WriteContext<'a> {
+    /// How.
+    pub options: &'a ExportOptions,
+    /// The field that they show.
+    pub field: &'a FieldModel,
+    /// Frames a second, where it is known and one for all frames.
+    pub rate: Option<Rate>,
+}
+
+impl WriteContext<'_> {
+    /// The timecode of a frame, where its number and the rate are known.
+    pub fn timecode(&self, frame: &FrameCamera) -> Option<Timecode> {
+        Some(Timecode::from_start(self.options.start, frame.frame_index?, self.rate_of(frame)?))
+    }
+
+    /// Frames a second of a frame's video, where it is known.
+    pub fn rate_of(&self, frame: &FrameCamera) -> Option<Rate> {
+        self.options.rate.or(frame.rate)
+    }
+}
+
+/// A format that holds a camera or a homography for each frame.
+pub trait CameraFormat: Sync {
+    /// What the format keeps of a frame, under the name by which it will be read again.
+    ///
+    /// # Errors
+    /// It cannot hold the frame at all; the reason in words.
+    fn hold(&self, frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String>;
+
+    /// How far a landmark may move through the digits of the format, px.
+    fn resolution_px(&self, _held: &FrameCamera) -> f64 {
+        EXACT_PX
+    }
+
+    /// What the picture size of a frame that was read rests on.
+    fn size_source(&self) -> SizeSource {
+        SizeSource::Stated
+    }
+
+    /// Whether what is written is read again before it goes out.
+    fn is_proved(&self) -> bool {
+        true
+    }
+
+    /// How exactly its frames agree on a common base.
+    fn exactness(&self) -> Exactness {
+        Exactness::default()
+    }
+
+    /// What a user should know of these frames in this format.
+    fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The files of what the format keeps.
+    ///
+    /// # Errors
+    /// A value cannot be written.
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError>;
+
+    /// What its files are called in an error: "camera files".
+    fn wanted(&self) -> &'static str;
+
+    /// Whether a file of a folder is one of its files.
+    fn is_wanted(&self, name: &str) -> bool;
+
+    /// The frames of its files.
+    ///
+    /// # Errors
+    /// A file is damaged.
+    fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError>;
+
+    /// What its files say that the document does not hold, in words.
+    fn unread(&self, _files: &Files) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The options with which what was written is read again.
+    fn reading(&self, held: &[FrameCamera], options: &ExportOptions) -> ImportOptions {
+        ImportOptions {
+            size: held.first().and_then(|frame| frame.size),
+            zoom: Some(options.zoom.clone()),
+            sensor_width_mm: options.sensor_width_mm,
+            ..ImportOptions::default()
+        }
+    }
+}
+
+/// The name of a frame's files: its image's without the ending, or the video's with the frame's number.
+#[must_use]
+pub fn stem_of(frame: &FrameCamera) -> String {
+    let stem = |name: &str| Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    match (&frame.image, frame.frame_index) {
+        (Some(image), _) => stem(image),
+        (None, Some(index)) => {
+            let name = frame.name.rsplit_once('#').map_or(frame.name.as_str(), |(video, _)| video);
+            format!("{}_{index:06}", stem(name))
+        }
+        (None, None) => stem(&frame.name),
+    }
+}
+
+/// The file name of a frame's picture.
+#[must_use]
+pub fn file_name_of(frame: &FrameCamera) -> String {
+    let name = frame.image.as_deref().and_then(|image| Path::new(image).file_name());
+    name.map_or_else(|| format!("{}.jpg", stem_of(frame)), |name| name.to_string_lossy().into_owned())
+}
+
+/// Whether a name has this ending, in any case.
+#[must_use]
+pub fn has_ending(name: &str, ending: &str) -> bool {
+    Path::new(name).extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}

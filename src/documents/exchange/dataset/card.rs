@@ -1,0 +1,306 @@
+//! The dataset card: what a stranger has to know before using it.
+
+use super::done::DatasetDone;
+use super::matches::match_names;
+use super::options::{DatasetOptions, Pictures};
+use super::plan::PlannedFrame;
+use super::split::{Split, match_of};
+use crate::document::{DocumentAt, FieldSize, Fields, Frame};
+use crate::exchange::error::ExchangeError;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use touchline_core::field::FieldModel;
+use touchline_core::score::quantile;
+
+/// What the card is about.
+pub struct Card<'a> {
+    /// The document as the dataset has it.
+    pub dataset: DocumentAt<'a>,
+    /// Its frames with their paths as they were.
+    pub original: DocumentAt<'a>,
+    /// The frames of the dataset.
+    pub frames: &'a [&'a PlannedFrame],
+    /// What was asked for.
+    pub options: &'a DatasetOptions,
+    /// What was written.
+    pub done: &'a DatasetDone,
+}
+
+/// The card as Markdown.
+///
+/// # Errors
+/// The document's field is not valid.
+pub fn card(card: &Card<'_>) -> Result<String, ExchangeError> {
+    let fields = Fields::of(card.original)?;
+    let mut text = String::from("# Camera calibration dataset\n");
+    text.push_str(
+        "\nFrames of pan-tilt-zoom sports cameras with people's clicks on the field and each frame's camera. `dataset.json` is the \
+         whole of it (schema: `schema.json`); `touchline_dataset.py` reads it with numpy; `sha256sum -c manifest.sha256` checks it.\n",
+    );
+    counts(card, &mut text);
+    fields_of(card, &fields, &mut text);
+    text.push_str(CONVENTIONS);
+    if card.options.undistorted {
+        text.push_str(
+            "- `undistorted/` has the same pictures without lens distortion (same size, focal length and principal point; black where the lens saw nothing) and a `dataset.json` of its own, with clicks moved accordingly and cameras without distortion.\n",
+        );
+    }
+    quality(card, &fields, &mut text);
+    provenance(card, &mut text);
+    Ok(text)
+}
+
+const CONVENTIONS: &str = "\n## Conventions\n
+- World: origin at the field's centre, x right along its length seen from the main camera, y away from that camera, z up, metres.
+- Pixels: (0, 0) is the top-left corner of the picture, pixel centres at +0.5. OpenCV and COCO count from the first pixel's centre: take 0.5 off.
+- x_cam = R (X - C); camera x right, y down, z forward. R = R_tilt R_pan base_from_world; pan positive right, tilt positive up, degrees.
+- Distortion: x_d = x (1 + k1 r^2 + k2 r^4) on normalised coordinates.
+- `label` in `frames.csv`: `clicked` (a person's clicks), `snapped` (pulled onto the painted lines), `tracked`, `suggested` (neither looked at by a person), \
+`tracked_and_accepted`, `suggested_and_accepted` (proposed by the program, accepted by a person), `imported`, `set_by_hand`, `interpolated`, \
+`clicks_only` (no camera). A click with `snapped_sigma_px` was moved to the paint; one with `check` was held out of the solve.
+";
+
+/// A Markdown table of names and counts.
+fn table(head: [&str; 2], rows: impl IntoIterator<Item = (String, String)>, text: &mut String) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "\n| {} | {} |\n|---|---|", head[0], head[1]);
+    for (name, value) in rows {
+        let _ = writeln!(text, "| {} | {value} |", name.replace('|', "\\|"));
+    }
+}
+
+fn counted<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize> {
+    let mut counts = BTreeMap::new();
+    for key in keys {
+        *counts.entry(key).or_default() += 1;
+    }
+    counts
+}
+
+fn counts(card: &Card<'_>, text: &mut String) {
+    let frames = &card.dataset.document.frames;
+    let clicks = || frames.iter().flat_map(|frame| frame.clicks.iter());
+    let of = |is_one: &dyn Fn(&crate::document::Click) -> bool| clicks().filter(|click| is_one(click)).count();
+    let mut rows = vec![("frames".to_owned(), card.frames.len().to_string())];
+    rows.push(("pictures".to_owned(), card.done.pictures.to_string()));
+    rows.push(("with a camera".to_owned(), frames.iter().filter(|frame| frame.ptz.is_some()).count().to_string()));
+    rows.push(("clicks".to_owned(), clicks().count().to_string()));
+    rows.push((
+        "of them on lines".to_owned(),
+        of(&|click| click.target.as_ref().is_some_and(|target| target.line().is_some())).to_string(),
+    ));
+    rows.push(("held out (check)".to_owned(), of(&|click| click.check).to_string()));
+    rows.push(("moved to the paint".to_owned(), of(&|click| click.snapped_sigma_px.is_some()).to_string()));
+    rows.push(("asked for and left out".to_owned(), card.done.left_out.len().to_string()));
+    text.push_str("\n## Counts\n");
+    table(["what", "how many"], rows, text);
+    if let Some(splitting) = card.options.splitting {
+        let rows =
+            Split::ALL.into_iter().zip(card.done.counts).map(|(split, count)| (split.to_string(), count.to_string()));
+        table(["split", "frames"], rows, text);
+        let [train, validation, test] = splitting.shares;
+        let _ = writeln!(
+            text,
+            "\nSplit {train} : {validation} : {test} by {}, which is never split; seed {}.",
+            splitting.by.name(),
+            splitting.seed
+        );
+    }
+    let origins = counted(card.frames.iter().map(|frame| frame.origin));
+    table(
+        ["label", "frames"],
+        origins.into_iter().map(|(origin, count)| (origin.to_string(), count.to_string())),
+        text,
+    );
+    let statuses = counted(frames.iter().map(|frame| frame.status));
+    table(
+        ["status", "frames"],
+        statuses.into_iter().map(|(status, count)| (status.as_str().to_owned(), count.to_string())),
+        text,
+    );
+    let cameras = counted(frames.iter().map(|frame| frame.camera.to_string()));
+    table(["camera", "frames"], cameras.into_iter().map(|(camera, count)| (camera, count.to_string())), text);
+}
+
+fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
+    text.push_str("\n## Field\n\n");
+    let document = card.original.document;
+    let mut said = BTreeSet::new();
+    for frame in &document.frames {
+        let (spec, model) = (document.field_of(frame), fields.of_frame(document, frame));
+        let size = match spec.size() {
+            FieldSize::Assumed if spec.assumed_size().is_some() => {
+                "**assumed**: nobody has confirmed it; a wrong size looks like a wrong camera"
+            }
+            FieldSize::Assumed => "fixed by the rules, or by the template",
+            FieldSize::Confirmed => "confirmed by a person",
+            FieldSize::Fitted => "fitted to the clicks",
+            FieldSize::Other(_) => "stated in terms that this program does not know",
+        };
+        said.insert(format!(
+            "- {}, {} × {} m, crown {} m; its size is {size}.\n",
+            spec.template,
+            in_millimetres(model.length_m),
+            in_millimetres(model.width_m),
+            in_millimetres(spec.crown_m())
+        ));
+    }
+    text.extend(said);
+}
+
+/// Rounded to a millimetre: what is fitted has sixteen digits.
+fn in_millimetres(metres: f64) -> f64 {
+    (metres * 1000.0).round() / 1000.0
+}
+
+/// Median, 95 % and largest of some distances in px, with how many of all frames have one.
+fn spread(mut values: Vec<f64>, of: usize) -> String {
+    if values.is_empty() {
+        return format!("not known in any of {of}");
+    }
+    values.sort_by(f64::total_cmp);
+    let largest = values.last().copied().unwrap_or_default();
+    format!(
+        "median {:.2} px, 95 % below {:.2} px, largest {largest:.2} px; known in {} of {of}",
+        quantile(&values, 0.5),
+        quantile(&values, 0.95),
+        values.len()
+    )
+}
+
+/// Median, 5 % and smallest of some probabilities, with how many of all frames have one.
+fn probabilities(mut values: Vec<f64>, of: usize) -> String {
+    if values.is_empty() {
+        return format!("not known in any of {of}");
+    }
+    values.sort_by(f64::total_cmp);
+    format!(
+        "median {:.2}, 5 % below {:.2}, smallest {:.2}; known in {} of {of}",
+        quantile(&values, 0.5),
+        quantile(&values, 0.05),
+        values[0],
+        values.len()
+    )
+}
+
+/// How far clicks on landmarks lie from where the camera shows them, px: those that were solved with, and those held out.
+fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
+    let document = card.original.document;
+    let mut misses = [Vec::new(), Vec::new()];
+    for frame in &document.frames {
+        let Some(camera) = document.pointed(frame) else { continue };
+        let field: &FieldModel = fields.of_frame(document, frame);
+        for click in &frame.clicks {
+            let target = click.target.as_ref().filter(|target| target.line().is_none());
+            let named = |landmark: &&touchline_core::field::Landmark| {
+                target.is_some_and(|target| landmark.id.as_str() == target.as_str())
+            };
+            let Some(landmark) = field.landmarks.iter().find(named) else { continue };
+            if let Ok(shown) = camera.image_from_world(field.landmark_in_world(landmark)) {
+                misses[usize::from(click.check)].push(shown.distance_px(click.image));
+            }
+        }
+    }
+    misses
+}
+
+fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
+    let frames = &card.dataset.document.frames;
+    let of = frames.len();
+    let values =
+        |of: &dyn Fn(&Frame) -> Option<f64>| -> Vec<f64> { frames.iter().filter_map(|frame| of(frame)).collect() };
+    let in_solution =
+        |of: fn(&crate::document::Solution) -> Option<f64>| values(&|frame| frame.solution.as_ref().and_then(of));
+    let [solved, held_out] = misses(card, fields);
+    let clicks: [usize; 2] = [false, true].map(|check| {
+        let on_landmark =
+            |click: &&crate::document::Click| click.target.as_ref().is_some_and(|target| target.line().is_none());
+        frames
+            .iter()
+            .flat_map(|frame| frame.clicks.iter())
+            .filter(on_landmark)
+            .filter(|click| click.check == check)
+            .count()
+    });
+    text.push_str("\n## Quality\n\nEach figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n");
+    let rows = [
+        ("clicks on landmarks from the camera's overlay", spread(solved, clicks[0])),
+        ("the same of held-out clicks", spread(held_out, clicks[1])),
+        ("residual of a frame (rms)", spread(in_solution(|solution| solution.rms_px), of)),
+        ("1-σ of the overlay at the worst corner", spread(in_solution(|solution| solution.worst_corner_sigma_px), of)),
+        (
+            "confidence (overlay within 10 px at 1920 px width)",
+            probabilities(in_solution(|solution| solution.confidence), of),
+        ),
+        (
+            "the same by the painted lines alone",
+            probabilities(in_solution(|solution| solution.line_check.as_ref().map(|check| check.score)), of),
+        ),
+    ];
+    table(["figure", "value"], rows.map(|(name, value)| (name.to_owned(), value)), text);
+    let warned = frames.iter().filter_map(|frame| frame.solution.as_ref());
+    let warned = counted(warned.flat_map(|solution| {
+        let codes: BTreeSet<&str> = solution.warnings.iter().map(|warning| warning.code.as_str()).collect();
+        codes
+    }));
+    if !warned.is_empty() {
+        table(
+            ["warning", "frames"],
+            warned.into_iter().map(|(code, count)| (format!("`{code}`"), count.to_string())),
+            text,
+        );
+    }
+    let range = |of: fn(&crate::document::FramePtz) -> f64| {
+        let values = values(&|frame| frame.ptz.as_ref().map(of));
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if values.is_empty() { "not known".to_owned() } else { format!("{low:.1} to {high:.1}") }
+    };
+    let clicked: BTreeSet<&str> = frames
+        .iter()
+        .flat_map(|frame| frame.clicks.iter())
+        .filter_map(|click| click.target.as_ref())
+        .map(crate::document::Target::as_str)
+        .collect();
+    let rows = [
+        ("pan, degrees", range(|ptz| ptz.pan_deg)),
+        ("tilt, degrees", range(|ptz| ptz.tilt_deg)),
+        ("focal length, px", range(|ptz| ptz.focal_px)),
+        ("different landmarks and lines clicked", clicked.len().to_string()),
+    ];
+    table(["coverage", "value"], rows.map(|(name, value)| (name.to_owned(), value)), text);
+}
+
+fn provenance(card: &Card<'_>, text: &mut String) {
+    text.push_str("\n## Provenance\n");
+    let originals = || card.original.document.frames.iter().map(|frame| &**frame);
+    let names = match_names(originals());
+    let matches = counted(originals().map(|frame| match names.get(&match_of(frame)).map(String::as_str) {
+        None | Some("") => "(the document's folder)".to_owned(),
+        Some(name) => name.to_owned(),
+    }));
+    table(["video or folder", "frames"], matches.into_iter().map(|(name, count)| (name, count.to_string())), text);
+    let annotators: BTreeSet<String> =
+        card.original.document.frames.iter().filter_map(|frame| frame.edited.as_ref()?.by.clone()).collect();
+    let annotators: Vec<String> = annotators.into_iter().collect();
+    let annotators = if annotators.is_empty() { "not stated".to_owned() } else { annotators.join(", ") };
+    let pictures = match card.options.pictures {
+        Pictures::Copied => "copies of the files that were labelled; frames of videos are decoded",
+        Pictures::Linked => "hard links to the files that were labelled; frames of videos are decoded",
+        Pictures::Extracted => {
+            "decoded from the videos (from the image files where there is no video) and written anew"
+        }
+        Pictures::Left => "not part of this dataset; `dataset.json` says where they lie",
+    };
+    let licence =
+        card.options.licence.as_deref().unwrap_or("not stated; ask whoever gave you this dataset before you use it");
+    let _ = write!(
+        text,
+        "\n- Written by {}.\n- Pictures: {pictures}.\n- Annotators: {annotators}.\n- Click noise: {}.\n\n## Licence\n\n{licence}\n",
+        crate::document::generator(),
+        card.original
+            .document
+            .click_noise_in_use()
+            .map_or_else(|| "the template's".to_owned(), |noise| noise.describe()),
+    );
+}

@@ -1,0 +1,132 @@
+//! The pictures of a dataset: copied, linked, or decoded and written anew.
+
+use super::options::PictureFormat;
+use crate::exchange::error::ExchangeError;
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder as _, ImageError};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use touchline_core::files::folder_of;
+use touchline_core::geometry::hex;
+use touchline_vision::media::{Picture, sha256_of_file};
+
+/// The quality of JPEG pictures, of 100.
+const JPEG_QUALITY: u8 = 95;
+
+/// A folder that is being filled, and the SHA-256 of every file in it.
+pub struct Folder<'a> {
+    root: &'a Path,
+    /// Where it will be: what errors name.
+    place: &'a Path,
+    hashes: BTreeMap<String, String>,
+}
+
+impl<'a> Folder<'a> {
+    /// An empty folder, which will be renamed to `place`.
+    pub const fn new(root: &'a Path, place: &'a Path) -> Self {
+        Self { root, place, hashes: BTreeMap::new() }
+    }
+
+    /// Every file and its SHA-256, as `sha256sum` writes and checks them.
+    pub fn manifest(&self) -> String {
+        self.hashes.iter().fold(String::new(), |mut text, (name, hash)| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{hash}  {name}");
+            text
+        })
+    }
+
+    /// The names of the files that were written.
+    pub fn into_names(self) -> BTreeSet<String> {
+        self.hashes.into_keys().collect()
+    }
+
+    /// Writes a file; its SHA-256.
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<String, ExchangeError> {
+        let path = self.file(name)?;
+        fs::write(path, bytes).map_err(|source| self.failed(name, source))?;
+        Ok(self.note(name, hex(&Sha256::digest(bytes))))
+    }
+
+    /// Copies a file, or makes a hard link to it; its SHA-256.
+    pub fn take_over(&mut self, name: &str, from: &Path, as_link: bool) -> Result<String, ExchangeError> {
+        let path = self.file(name)?;
+        let failed = |source| self.failed(name, source);
+        if as_link {
+            let from = fs::canonicalize(from).map_err(failed)?;
+            fs::hard_link(&from, &path).map_err(|source| match source.kind() {
+                io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk { from, to: self.place.join(name) },
+                _ => failed(source),
+            })?;
+        } else {
+            fs::copy(from, &path).map_err(failed)?;
+        }
+        let hash = sha256_of_file(&path)?;
+        Ok(self.note(name, hash))
+    }
+
+    /// Takes a file away again.
+    pub fn remove(&mut self, name: &str) -> Result<(), ExchangeError> {
+        self.hashes.remove(name);
+        fs::remove_file(self.root.join(name)).map_err(|source| self.failed(name, source))
+    }
+
+    fn failed(&self, name: &str, source: io::Error) -> ExchangeError {
+        ExchangeError::Write { path: self.place.join(name), source }
+    }
+
+    fn note(&mut self, name: &str, hash: String) -> String {
+        self.hashes.insert(name.to_owned(), hash.clone());
+        hash
+    }
+
+    /// Where a file is written until the folder is whole.
+    fn file(&self, name: &str) -> Result<PathBuf, ExchangeError> {
+        let path = self.root.join(name);
+        fs::create_dir_all(folder_of(&path)).map_err(|source| self.failed(name, source))?;
+        Ok(path)
+    }
+}
+
+/// A picture as a file of a format.
+pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
+    let size = picture.size();
+    let rgb: Vec<u8> =
+        picture.rgba().as_chunks::<4>().0.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
+    let mut bytes = Vec::new();
+    let colour = ExtendedColorType::Rgb8;
+    match format {
+        PictureFormat::Png => PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?,
+        PictureFormat::Jpeg => {
+            JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
+                &rgb,
+                size.width,
+                size.height,
+                colour,
+            )?;
+        }
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_written_is_named_where_it_was_to_be() {
+        let temporary = tempfile::tempdir().unwrap();
+        let mut folder = Folder::new(temporary.path(), Path::new("/data/set"));
+        fs::create_dir(temporary.path().join("a.txt")).unwrap();
+        let said = |error: ExchangeError| error.to_string();
+        let in_the_way = said(folder.write("a.txt", b"").unwrap_err());
+        assert!(in_the_way.starts_with("cannot write /data/set/a.txt: "), "{in_the_way}");
+        let missing = said(folder.take_over("b.png", Path::new("/no/such.png"), false).unwrap_err());
+        assert!(missing.starts_with("cannot write /data/set/b.png: "), "{missing}");
+    }
+}

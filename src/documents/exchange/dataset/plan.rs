@@ -1,0 +1,287 @@
+//! What a dataset will hold, before anything is written.
+
+use super::label_origin::LabelOrigin;
+use super::names::picture_name;
+use super::options::{DatasetOptions, Pictures};
+use super::outside::OwnPlaces;
+use super::split::{Split, split};
+use crate::document::{DocumentAt, Frame, FrameId};
+use crate::exchange::choose::{is_chosen, off_paint_note};
+use crate::exchange::error::ExchangeError;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use touchline_vision::media::{FrameRef, image_size};
+
+/// What a dataset will hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DatasetPlan {
+    /// The frames in the document's order.
+    pub frames: Vec<PlannedFrame>,
+    /// Frames that were asked for and are not taken, by name, and why.
+    pub left_out: Vec<(String, String)>,
+    /// About how many bytes the pictures take.
+    pub picture_bytes: u64,
+    /// What a user should know.
+    pub notes: Vec<String>,
+}
+
+/// A frame of a dataset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedFrame {
+    /// Which.
+    pub id: FrameId,
+    /// The part that it is in; none where there are none.
+    pub split: Option<Split>,
+    /// Where its label comes from.
+    pub origin: LabelOrigin,
+    /// Its picture within the dataset, with `/` between the parts; none where pictures are left where they lie.
+    pub picture: Option<String>,
+    /// The same without lens distortion, where that is asked for and its camera is known.
+    pub undistorted: Option<String>,
+    /// What the frame is called in messages.
+    pub name: String,
+    /// Where its pixels come from.
+    pub(super) source: Source,
+}
+
+/// Where a picture comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Source {
+    /// A file that is copied or linked.
+    File(PathBuf),
+    /// A frame that is decoded.
+    Decoded(FrameRef),
+}
+
+impl PlannedFrame {
+    /// Whether the dataset gets a picture of it.
+    const fn takes_picture(&self) -> bool {
+        self.picture.is_some() || self.undistorted.is_some()
+    }
+}
+
+impl Source {
+    /// The image file or the video.
+    fn file(&self) -> &Path {
+        match self {
+            Self::File(path) => path,
+            Self::Decoded(FrameRef::Image(path) | FrameRef::Video { path, .. }) => path,
+        }
+    }
+
+    /// The frame that is decoded for further pictures.
+    pub fn frame_ref(&self) -> FrameRef {
+        match self {
+            Self::File(path) => FrameRef::image(path.as_path()),
+            Self::Decoded(frame) => frame.clone(),
+        }
+    }
+}
+
+impl DatasetPlan {
+    /// How many frames each split holds, in order; without splits the first holds all.
+    #[must_use]
+    pub fn counts(&self) -> [usize; 3] {
+        let of =
+            |wanted: Split| self.frames.iter().filter(|frame| frame.split.unwrap_or(Split::Train) == wanted).count();
+        Split::ALL.map(of)
+    }
+
+    /// How many frames have a label of each origin.
+    #[must_use]
+    pub fn origins(&self) -> BTreeMap<LabelOrigin, usize> {
+        let mut counts = BTreeMap::new();
+        for frame in &self.frames {
+            *counts.entry(frame.origin).or_default() += 1;
+        }
+        counts
+    }
+
+    /// The names of all pictures.
+    pub(super) fn picture_names(&self) -> BTreeSet<&str> {
+        let names = self.frames.iter().flat_map(|frame| [&frame.picture, &frame.undistorted]);
+        names.flatten().map(String::as_str).collect()
+    }
+
+    /// How many pictures are written.
+    #[must_use]
+    pub fn pictures(&self) -> usize {
+        let of = |frame: &PlannedFrame| usize::from(frame.picture.is_some()) + usize::from(frame.undistorted.is_some());
+        self.frames.iter().map(of).sum()
+    }
+}
+
+/// Plans a dataset: which frames it holds, what their pictures are called, and how large it becomes.
+///
+/// # Errors
+/// No frame is left, or two pictures would have one name.
+pub fn plan_dataset(at: DocumentAt<'_>, options: &DatasetOptions) -> Result<DatasetPlan, ExchangeError> {
+    let mut left_out = Vec::new();
+    let mut frames: Vec<(&Frame, PlannedFrame)> = Vec::new();
+    let mut bytes = 0.0;
+    let own_places = OwnPlaces::from_project(at.folder);
+    for frame in at.document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
+        match planned(at, frame, options) {
+            Ok((planned, _))
+                if !options.outside && planned.takes_picture() && !own_places.hold(planned.source.file()) =>
+            {
+                let file = planned.source.file().display();
+                left_out.push((
+                    frame.name(),
+                    format!("its picture {file} lies outside of the project; --outside-pictures takes it too"),
+                ));
+            }
+            Ok((planned, size)) => {
+                bytes += size;
+                frames.push((frame, planned));
+            }
+            Err(why) => left_out.push((frame.name(), why)),
+        }
+    }
+    if frames.is_empty() {
+        let asked = || "none has the status, camera and confidence that were asked for".to_owned();
+        let why = left_out.first().map(|(frame, why)| format!("{frame}: {why} ({} frames in all)", left_out.len()));
+        return Err(ExchangeError::EmptyDataset { why: why.unwrap_or_else(asked) });
+    }
+    if let Some(splitting) = options.splitting {
+        let of: Vec<&Frame> = frames.iter().map(|(frame, _)| *frame).collect();
+        for ((_, planned), part) in frames.iter_mut().zip(split(&of, splitting)) {
+            planned.split = Some(part);
+            let below = |name: &String| format!("{part}/{name}");
+            planned.picture = planned.picture.as_ref().map(below);
+            planned.undistorted = planned.undistorted.as_ref().map(below);
+        }
+    }
+    for (_, planned) in &mut frames {
+        planned.picture = planned.picture.as_ref().map(|name| format!("images/{name}"));
+        planned.undistorted = planned.undistorted.as_ref().map(|name| format!("undistorted/images/{name}"));
+    }
+    refuse_same_names(&frames)?;
+    let frames: Vec<PlannedFrame> = frames.into_iter().map(|(_, planned)| planned).collect();
+    let mut plan = DatasetPlan { frames, left_out, picture_bytes: bytes as u64, notes: Vec::new() };
+    plan.notes = notes(at, &plan, options);
+    Ok(plan)
+}
+
+/// A frame with what its pictures take, bytes.
+fn planned(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Result<(PlannedFrame, f64), String> {
+    let origin = LabelOrigin::of(frame).ok_or("it has neither clicks nor a camera")?;
+    let source = source_of(at, frame, options)?;
+    let has_camera = at.document.pointed(frame).is_some();
+    let area = f64::from(frame.image_size.width) * f64::from(frame.image_size.height);
+    let decoded = area * options.picture_format.bytes_per_px();
+    let mut bytes = 0.0;
+    let is_left = options.pictures == Pictures::Left;
+    let named = picture_name(frame, options.pictures, options.picture_format);
+    let picture = if is_left { None } else { Some(named.clone()?) };
+    if !is_left {
+        bytes += match &source {
+            Source::File(path) => std::fs::metadata(path).map_or(0.0, |metadata| metadata.len() as f64),
+            Source::Decoded(_) => decoded,
+        };
+    }
+    let undistorted = if options.undistorted && has_camera {
+        bytes += decoded;
+        Some(
+            std::path::Path::new(&named?)
+                .with_extension(options.picture_format.ending())
+                .to_string_lossy()
+                .into_owned(),
+        )
+    } else {
+        None
+    };
+    let name = frame.name();
+    Ok((PlannedFrame { id: frame.id.clone(), split: None, origin, picture, undistorted, name, source }, bytes))
+}
+
+/// Where the pixels of a frame come from, if they are there and of the stated size.
+fn source_of(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Result<Source, String> {
+    let picture = || frame.picture_source(at.folder).ok_or("it has no picture");
+    let source = match (&frame.video, options.pictures) {
+        (Some(video), Pictures::Extracted) => {
+            let index = usize::try_from(video.frame_index).map_err(|_| "its number is too large")?;
+            Source::Decoded(FrameRef::video(video.file_path(at.folder), index))
+        }
+        (_, Pictures::Extracted) => Source::Decoded(picture()?),
+        _ => match picture()? {
+            FrameRef::Image(path) => Source::File(path.to_path_buf()),
+            video @ FrameRef::Video { .. } => Source::Decoded(video),
+        },
+    };
+    let needs_picture = options.pictures != Pictures::Left || options.undistorted;
+    match source.frame_ref() {
+        _ if !needs_picture => {}
+        FrameRef::Image(path) => {
+            let found = image_size(&path).map_err(|error| error.to_string())?;
+            if found != frame.image_size {
+                return Err(other_size(frame, found));
+            }
+        }
+        FrameRef::Video { path, .. } if !path.is_file() => {
+            return Err(format!("its video {} is not there", path.display()));
+        }
+        FrameRef::Video { .. } => {}
+    }
+    Ok(source)
+}
+
+/// What is said of a picture that is not as large as the document states.
+pub(super) fn other_size(frame: &Frame, found: touchline_core::geometry::ImageSize) -> String {
+    let stated = frame.image_size;
+    format!(
+        "its picture is {} × {} px, the document says {} × {}",
+        found.width, found.height, stated.width, stated.height
+    )
+}
+
+fn refuse_same_names(frames: &[(&Frame, PlannedFrame)]) -> Result<(), ExchangeError> {
+    let mut seen: BTreeMap<String, String> = BTreeMap::new();
+    for (frame, planned) in frames {
+        for name in [&planned.picture, &planned.undistorted].into_iter().flatten() {
+            // Two names that differ in case are one file on many systems.
+            if let Some(first) = seen.insert(name.to_lowercase(), frame.name()) {
+                return Err(ExchangeError::SameName { name: name.clone(), first, second: frame.name() });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(size) = at.document.field.assumed_size() {
+        notes.push(format!("the field's size of {size} is assumed, not confirmed"));
+    }
+    if let Some(splitting) = options.splitting {
+        let empty: Vec<&str> = Split::ALL
+            .into_iter()
+            .enumerate()
+            .filter(|(part, _)| splitting.shares[*part] > 0 && plan.counts()[*part] == 0)
+            .map(|(_, split)| split.as_str())
+            .collect();
+        if !empty.is_empty() {
+            let by = splitting.by.name();
+            notes.push(format!("too few groups to split (--split-by {by}): none is left for {}", empty.join(", ")));
+        }
+    }
+    let planned = plan.frames.iter().filter_map(|frame| Some(&**at.document.frames.by_id(&frame.id)?));
+    notes.extend(off_paint_note(planned));
+    let own_places = OwnPlaces::from_project(at.folder);
+    let outside = plan.frames.iter().filter(|frame| frame.takes_picture() && !own_places.hold(frame.source.file()));
+    let outside: Vec<String> = outside.map(|frame| frame.source.file().display().to_string()).collect();
+    if let Some(first) = outside.first() {
+        notes.push(format!("{} pictures come from outside of the project, the first from {first}", outside.len()));
+    }
+    let unlooked: BTreeSet<LabelOrigin> =
+        [LabelOrigin::Tracked, LabelOrigin::Suggested, LabelOrigin::Interpolated].into();
+    let count = plan.frames.iter().filter(|frame| unlooked.contains(&frame.origin)).count();
+    if count > 0 {
+        notes.push(format!("{count} frames have a camera that nobody has looked at"));
+    }
+    let bent = plan.frames.iter().filter(|frame| frame.undistorted.is_none()).count();
+    if options.undistorted && bent > 0 {
+        notes.push(format!("{bent} frames without a camera have no undistorted picture"));
+    }
+    notes
+}

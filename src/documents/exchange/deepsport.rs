@@ -1,0 +1,144 @@
+//! `DeepSport`'s basketball cameras: a JSON file for each picture. Import only.
+//!
+//! World in *centimetres* from the far left corner of the court, x right, y towards the camera, z **down**; `KK`, `R`, `T` by
+//! rows, world→camera; `kc` = k1 k2 p1 p2 k3; pixels from the first one's centre.
+//! Source: `deepsport-utilities`, `calib3d`.
+
+use super::camera_format::{CameraFormat, WriteContext, has_ending};
+use super::error::{ExchangeError, Problem};
+use super::files::Files;
+use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::node::{Node, parse};
+use super::options::{ImportOptions, Pixels};
+use super::soccernet::flipped_world;
+use std::path::Path;
+use touchline_core::camera::Radial;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+
+/// The format.
+pub struct DeepSport;
+
+/// Centimetres a metre.
+const CM: f64 = 100.0;
+
+fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Problem> {
+    let value = parse(bytes)?;
+    let node = Node::root(&value).key("calibration")?;
+    let size = ImageSize::new(node.key("img_width")?.side_px()?, node.key("img_height")?.side_px()?);
+    let matrix = |key: &str| -> Result<Mat3, Problem> { Ok(Mat3::from_row_slice(&node.key(key)?.numbers::<9>()?)) };
+    let (k, rotation) = (matrix("KK")?, matrix("R")?);
+    let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
+    let lens: [f64; 5] = node.key("kc")?.numbers()?;
+    if (k[(0, 0)] / k[(1, 1)] - 1.0).abs() > 1e-9 || k[(0, 1)] != 0.0 {
+        let what = format!("focal lengths {} and {} px, skew {}", k[(0, 0)], k[(1, 1)], k[(0, 1)]);
+        return Err(Problem::Unsupported { what, why: "pixels must be square" });
+    }
+    if let Some(other) = lens[2..].iter().find(|value| **value != 0.0) {
+        let what = format!("a distortion coefficient of {other} beyond k1 and k2");
+        return Err(Problem::Unsupported { what, why: "the document's lens has k1 and k2 only" });
+    }
+    let centre = -(rotation.transpose() * translation) / CM;
+    let shift = Pixels::Centre.to_corner_px();
+    let pinhole = Pinhole {
+        cam_from_world: flipped_world(&rotation),
+        position_m: Vec3::new(centre.x - court.length_m / 2.0, court.width_m / 2.0 - centre.y, -centre.z),
+        focal_px: k[(0, 0)],
+        principal_point: ImagePoint::new(k[(0, 2)] + shift, k[(1, 2)] + shift),
+        lens: Radial { k1: lens[0], k2: lens[1] },
+    };
+    Ok((pinhole.checked("the camera")?, size))
+}
+
+impl CameraFormat for DeepSport {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+        Ok(frame.clone())
+    }
+
+    fn write(&self, _held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+        Err(ExchangeError::OneWay { format: super::format::Format::DeepSport, what: "exported", instead: "imported" })
+    }
+
+    fn wanted(&self) -> &'static str {
+        "camera files (camcourt….json)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "json")
+    }
+
+    fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+        let court = options.field.model(Path::new("."))?;
+        files.read_all(|name, bytes| {
+            let (pinhole, size) = camera(bytes, &court)?;
+            let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+            let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
+            Ok(Some(FrameCamera { image: Some(format!("{stem}_0.png")), ..frame }))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::FieldSpec;
+    use serde_json::{Value, json};
+
+    fn published() -> Value {
+        json!({ "calibration": {
+            "img_width": 1920, "img_height": 1080,
+            "KK": [2410, 0, 959.5, 0, 2410, 539.5, 0, 0, 1],
+            "kc": [0.0661, 0, 0, 0, 0],
+            "R": [0.97629600712, 0.216439613938, 0.0, -0.042040007992, 0.189630221542, 0.980955155349, 0.212317555114, -0.957702601331, 0.19423435122],
+            "T": [-2827.781804, 544.571295, 6516.869814],
+        } })
+    }
+
+    fn read(value: &Value) -> Result<FrameCamera, String> {
+        let files = Files::one("camcourt1_7.json", value.to_string().into_bytes());
+        let options = ImportOptions { field: FieldSpec::new("basketball_fiba"), ..ImportOptions::default() };
+        DeepSport.read(&files, &options).map(|mut frames| frames.remove(0)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_published_camera_is_the_reference_camera() {
+        let frame = read(&published()).unwrap();
+        let pinhole = frame.pinhole().unwrap();
+        // The rotation is published with 12 digits.
+        assert!((pinhole.position_m - Vec3::new(0.0, -60.0, 18.0)).norm() < 1e-6, "{pinhole:?}");
+        assert_eq!(pinhole.principal_point, ImagePoint::new(960.0, 540.0));
+        let mark = frame.image_from_world(Vec3::zeros()).unwrap();
+        assert!(mark.distance_px(ImagePoint::new(444.680987, 789.175247)) < 1e-4, "{mark:?}");
+    }
+
+    #[test]
+    fn damaged_files_are_named_in_one_line() {
+        for (key, value, wanted) in [
+            ("KK", json!([1, 2, 3]), "calibration.KK (numbers): 9 are expected, found 3"),
+            ("R", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), "calibration.R (numbers): 9 are expected, found 3"),
+            (
+                "R",
+                json!([2, 0, 0, 0, 2, 0, 0, 0, 2]),
+                "the rotation of the camera is not a rotation: its rows are off by 3.0e0",
+            ),
+            (
+                "R",
+                json!([1, 0, 0, 0, 1, 0, 0, 0, -1]),
+                "the rotation of the camera is not a rotation: it is mirrored, or not made of numbers",
+            ),
+            (
+                "kc",
+                json!([0.1, 0, 0.01, 0, 0]),
+                "a distortion coefficient of 0.01 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
+            ),
+            ("T", json!([1e9, 0, 0]), "a coordinate of the position of the camera is"),
+            ("img_width", json!("wide"), "calibration.img_width: a number is expected, found the text \"wide\""),
+        ] {
+            let mut damaged = published();
+            damaged["calibration"][key] = value;
+            let error = read(&damaged).unwrap_err();
+            assert!(error.starts_with(&format!("camcourt1_7.json: {wanted}")), "{error}");
+        }
+        assert_eq!(read(&json!({})).unwrap_err(), "camcourt1_7.json: calibration is missing");
+    }
+}

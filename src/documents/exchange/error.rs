@@ -1,0 +1,455 @@
+//! What can go wrong between documents and foreign files.
+
+use super::format::Format;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+use touchline_core::field::FieldError;
+use touchline_core::files::{plain, way_out};
+use touchline_core::geometry::ImageSize;
+
+/// Why an import or export did not happen. Nothing was written then.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ExchangeError {
+    /// A file or folder cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The result cannot be written.
+    #[error("cannot write {}: {source}{}", path.display(), way_out(source))]
+    Write {
+        /// Where.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Something is there already.
+    #[error("{} already exists; give --force to replace it, or another -o", path.display())]
+    Exists {
+        /// Where.
+        path: PathBuf,
+    },
+    /// Something other than the result's own files would be lost.
+    #[error(transparent)]
+    NotReplaced(#[from] touchline_core::files::NotReplaced),
+    /// A file is damaged, or of another format.
+    #[error("{file}: {}", plain(&problem.to_string()))]
+    File {
+        /// Its name, from the folder that was named.
+        file: String,
+        /// What is wrong with it.
+        problem: Problem,
+    },
+    /// A folder holds no file of the format.
+    #[error("{} holds no {wanted}", path.display())]
+    NoFiles {
+        /// The folder.
+        path: PathBuf,
+        /// What was looked for.
+        wanted: &'static str,
+    },
+    /// A frame is there twice.
+    #[error("{}: the frame {name:?} occurs twice; import one camera or folder at a time", path.display())]
+    SameFrame {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        name: String,
+    },
+    /// A point lies nowhere near a picture.
+    #[error("{}: {label:?} of {frame:?} is at ({}, {}) px, which is not a position in a picture", path.display(), number_text(*x), number_text(*y))]
+    NoPlace {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        frame: String,
+        /// The point's label.
+        label: String,
+        /// px.
+        x: f64,
+        /// px.
+        y: f64,
+    },
+    /// A frame has more points than a document takes.
+    #[error("{}: {frame:?} has {found} points, and a frame takes {limit}; thin them out", path.display())]
+    TooManyPoints {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        frame: String,
+        /// How many it has.
+        found: usize,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// No camera shows the ground as a homography does.
+    #[error(
+        "{}: no camera gives the homography of {frame:?} ({source}); check its direction, unit and picture size",
+        path.display()
+    )]
+    NoCamera {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        frame: String,
+        /// Why.
+        source: touchline_core::solve::PlanePoseError,
+    },
+    /// A camera was made for a picture of other proportions.
+    #[error(
+        "the camera of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give its own pictures (--images FOLDER)",
+        stated.width, stated.height, picture.width, picture.height
+    )]
+    OtherProportions {
+        /// The frame.
+        frame: String,
+        /// What the camera was made for.
+        stated: ImageSize,
+        /// The picture's.
+        picture: ImageSize,
+    },
+    /// There are too many files, or they are too large together.
+    #[error("{} contains more than {limit}; import a part of it", path.display())]
+    TooMuch {
+        /// The folder.
+        path: PathBuf,
+        /// What is exceeded.
+        limit: &'static str,
+    },
+    /// The document's field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The authors' annotations cannot be read.
+    #[error(transparent)]
+    Authors(#[from] super::authors_mat::AuthorsError),
+    /// The document cannot be written.
+    #[error(transparent)]
+    Document(#[from] crate::document::WriteError),
+    /// A file is no document.
+    #[error("{file}: {source}")]
+    NoDocument {
+        /// Its name.
+        file: String,
+        /// What is wrong with it.
+        source: crate::document::ReadError,
+    },
+    /// No frame is left to be written.
+    #[error("no frame to export as {format}: {why}")]
+    NothingToExport {
+        /// The format.
+        format: Format,
+        /// Why each was left out.
+        why: String,
+    },
+    /// No frame is left for a dataset.
+    #[error("no frame for the dataset: {why}")]
+    EmptyDataset {
+        /// Why.
+        why: String,
+    },
+    /// Something other than a dataset is where one should go.
+    #[error("{} contains something other than a dataset of this program; give another folder", path.display())]
+    NoDatasetThere {
+        /// Where.
+        path: PathBuf,
+    },
+    /// A folder that is to be new holds something.
+    #[error("{} holds something already; give an empty or a new folder", path.display())]
+    NotEmpty {
+        /// Where.
+        path: PathBuf,
+    },
+    /// Pictures that nobody may expect to be passed on.
+    #[error("{count} pictures lie outside of the project, the first is {}; --outside-pictures copies them too", first.display())]
+    Outside {
+        /// How many.
+        count: usize,
+        /// The first.
+        first: PathBuf,
+    },
+    /// A hard link leads to no other disk.
+    #[error("{} cannot be linked as {}: it lies on another disk; copy the pictures instead (--images copy)", from.display(), to.display())]
+    OtherDisk {
+        /// The picture.
+        from: PathBuf,
+        /// The link.
+        to: PathBuf,
+    },
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Media(#[from] touchline_vision::media::MediaError),
+    /// A picture cannot be written.
+    #[error("a picture cannot be encoded: {0}")]
+    Encoding(#[from] image::ImageError),
+    /// Somebody ended it.
+    #[error("stopped; nothing was written")]
+    Stopped,
+    /// Two frames would be written to one place.
+    #[error("{first} and {second} would both be written as {name}; export them one camera or folder at a time")]
+    SameName {
+        /// The place.
+        name: String,
+        /// One frame.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A frame cannot be expressed in the format.
+    #[error("{frame} cannot be written as {format}: {why}")]
+    CannotHold {
+        /// The frame.
+        frame: String,
+        /// The format.
+        format: Format,
+        /// What stands against it.
+        why: String,
+    },
+    /// What was to be written reads back as something else.
+    #[error(
+        "internal error (please report it): {frame} as {format} reads back with {what} {off_px:.3e} px away, allowed is \
+         {allowed_px:.1e} px; nothing was written"
+    )]
+    ReadsBackElsewhere {
+        /// The frame.
+        frame: String,
+        /// The format.
+        format: Format,
+        /// The landmark or click that moved most.
+        what: String,
+        /// How far, px.
+        off_px: f64,
+        /// How far the format allows, px.
+        allowed_px: f64,
+    },
+    /// What was to be written reads back as other frames or clicks.
+    #[error("internal error (please report it): {frame} as {format} does not read back as it was; nothing was written")]
+    ReadsBackOtherwise {
+        /// The frame.
+        frame: String,
+        /// The format.
+        format: Format,
+    },
+    /// The format is written only, or read only.
+    #[error("{format} cannot be {what}; it can only be {instead}")]
+    OneWay {
+        /// The format.
+        format: Format,
+        /// What was asked: "imported".
+        what: &'static str,
+        /// What it can be: "exported".
+        instead: &'static str,
+    },
+    /// An option is needed that was not given.
+    #[error("{format} does not say {what}; give {option}")]
+    OptionNeeded {
+        /// The format.
+        format: Format,
+        /// What is not known.
+        what: &'static str,
+        /// What to give.
+        option: &'static str,
+    },
+    /// An export needs what neither the document nor an option says.
+    #[error("{format} needs {what}; give {option}")]
+    ExportNeeds {
+        /// The format.
+        format: Format,
+        /// What is not known.
+        what: &'static str,
+        /// What to give.
+        option: &'static str,
+    },
+    /// Labels that nothing of the field is known for.
+    #[error("unknown labels {labels}; give a --map file with them, or --skip-unmapped")]
+    Unmapped {
+        /// The labels with how often each occurs.
+        labels: String,
+    },
+}
+
+/// What is wrong with a file.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// It is empty.
+    #[error("the file is empty")]
+    Empty,
+    /// It is larger than anything of the format.
+    #[error("it is {} MiB, at most {} MiB are read", bytes.div_ceil(1 << 20), limit >> 20)]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// Its content is packed.
+    #[error("a {0} archive; unpack it and give the unpacked files")]
+    Archive(&'static str),
+    /// It is no text.
+    #[error("not UTF-8 text (byte {offset})")]
+    NotUtf8 {
+        /// The first byte that is none.
+        offset: usize,
+    },
+    /// It is no JSON.
+    #[error("not valid JSON: {0}")]
+    NotJson(String),
+    /// It is no XML, or holds a document type or entities.
+    #[error("not valid XML: {}", plain(.0))]
+    NotXml(String),
+    /// It begins or is built otherwise than the format.
+    #[error("not {wanted}: {found}")]
+    NotFormat {
+        /// What was expected.
+        wanted: &'static str,
+        /// What is there.
+        found: String,
+    },
+    /// A value is missing.
+    #[error("{0} is missing")]
+    Missing(String),
+    /// A value is of another kind.
+    #[error("{what}: {wanted} is expected, found {found}")]
+    Kind {
+        /// Which.
+        what: String,
+        /// What it should be.
+        wanted: &'static str,
+        /// What it is.
+        found: String,
+    },
+    /// There are too few or too many values.
+    #[error("{what}: {wanted} are expected, found {found}")]
+    Count {
+        /// Of what.
+        what: String,
+        /// How many there should be.
+        wanted: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("{0} is not a finite number")]
+    NotFinite(String),
+    /// A number is outside of what makes sense.
+    #[error("{what} is {}, which must be {wanted}", number_text(*value))]
+    OutOfRange {
+        /// Which.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        wanted: &'static str,
+    },
+    /// A matrix is no rotation.
+    #[error("{what} is not a rotation: {}", if distance.is_finite() { format!("its rows are off by {distance:.1e}") } else { "it is mirrored, or not made of numbers".to_owned() })]
+    NotRotation {
+        /// Which.
+        what: String,
+        /// How far it is from one; not finite where none is near.
+        distance: f64,
+    },
+    /// A matrix has no inverse.
+    #[error("{0} is singular")]
+    Singular(String),
+    /// A name occurs twice.
+    #[error("{what} {name:?} occurs twice")]
+    Twice {
+        /// Of what.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Something refers to what is not there.
+    #[error("{what} {name:?} is not in the file")]
+    Unknown {
+        /// Of what.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A path points outside the folder.
+    #[error("the path {0:?} points outside the folder")]
+    LeavesFolder(String),
+    /// Something that the file does not say and an option does.
+    #[error("{what} is not known; give {option}")]
+    OptionNeeded {
+        /// What is not known.
+        what: String,
+        /// What to give.
+        option: &'static str,
+    },
+    /// Something that this program does not hold.
+    #[error("{what} cannot be read: {why}")]
+    Unsupported {
+        /// What.
+        what: String,
+        /// Why, or what to do instead.
+        why: &'static str,
+    },
+    /// The same at a packet of a stream.
+    #[error("packet {packet}: {problem}")]
+    Packet {
+        /// The packet, from 1.
+        packet: usize,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
+    /// The same at a line of a text.
+    #[error("line {line}: {problem}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
+}
+
+impl Problem {
+    /// The problem in a file.
+    #[must_use]
+    pub(crate) fn within(self, file: &str) -> ExchangeError {
+        ExchangeError::File { file: file.to_owned(), problem: self }
+    }
+
+    /// The problem at a packet, counted from 1.
+    #[must_use]
+    pub(crate) fn at_packet(self, packet: usize) -> Self {
+        Self::Packet { packet, problem: Box::new(self) }
+    }
+
+    /// The problem at a line, counted from 1.
+    #[must_use]
+    pub(crate) fn at_line(self, line: usize) -> Self {
+        Self::Line { line, problem: Box::new(self) }
+    }
+}
+
+/// A number in a message: not three hundred digits.
+fn number_text(value: f64) -> String {
+    let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
+    if is_plain { value.to_string() } else { format!("{value:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ExchangeError, Problem};
+
+    #[test]
+    fn what_a_damaged_file_says_is_obeyed_by_no_terminal() {
+        let what = "dist\u{1b}[2J".to_owned();
+        let problem = Problem::Kind { what, wanted: "a number", found: "a list".to_owned() };
+        let error = ExchangeError::File { file: "a.yml".to_owned(), problem };
+        assert_eq!(error.to_string(), r"a.yml: dist\u{1b}[2J: a number is expected, found a list");
+    }
+
+    #[test]
+    fn numbers_in_messages_are_short() {
+        assert_eq!([1e9, 0.5, 1e300, -1e-320].map(super::number_text), ["1000000000", "0.5", "1e300", "-1e-320"]);
+    }
+}

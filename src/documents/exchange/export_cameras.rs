@@ -1,0 +1,277 @@
+//! Cameras in a foreign format: frames chosen, losses measured, files made in memory and read again.
+
+use super::camera_format::{CameraFormat, WriteContext};
+use super::choose::{is_chosen, nothing};
+use super::error::ExchangeError;
+use super::exported::Exported;
+use super::files::Files;
+use super::format::Format;
+use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
+use super::into_document::document_of;
+use super::loss::{crown_off_px, farthest_landmark, loss_between};
+use super::options::ExportOptions;
+use super::rate::Rate;
+use super::stage::{in_stage, in_world, takes_stage};
+use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, ImageSize};
+
+/// A solved frame as formats exchange it; none where it is not solved.
+fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> Option<FrameCamera> {
+    let camera = document.pointed(frame)?;
+    let scale = size.map_or(1.0, |size| f64::from(size.width) / f64::from(frame.image_size.width));
+    let mut pinhole = Pinhole::of(&camera);
+    if size.is_some() {
+        pinhole = pinhole.scaled(scale);
+    }
+    let on_landmark = |click: &Click| {
+        let target = click.target.as_ref().filter(|target| target.line().is_none() && !click.check)?;
+        Some((target.as_str().to_owned(), ImagePoint::new(click.image.x * scale, click.image.y * scale)))
+    };
+    let solution = frame.solution.as_ref();
+    let variances = solution.and_then(|solution| solution.covariance).map(|covariance| covariance.diagonal());
+    Some(FrameCamera {
+        name: frame.name(),
+        image: frame.image.clone(),
+        camera: Some(frame.camera.as_str().to_owned()),
+        size: Some(size.unwrap_or(frame.image_size)),
+        shown: Shown::Camera(pinhole),
+        frame_index: frame.video.as_ref().map(|video| video.frame_index),
+        pts_s: frame.video.as_ref().and_then(|video| video.pts_s),
+        rate: None,
+        record: Record {
+            status: frame.status,
+            source: solution.and_then(|solution| solution.source),
+            ptz: Some(camera.ptz()),
+            sigma: variances.map(|v| [v.x.max(0.0).sqrt(), v.y.max(0.0).sqrt(), v.z.max(0.0).sqrt()]),
+            worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
+            rms_px: solution.and_then(|solution| solution.rms_px),
+            confidence: solution.and_then(|solution| solution.confidence),
+            clicks: frame.clicks.iter().filter_map(on_landmark).collect(),
+        },
+    })
+}
+
+/// Notes at each frame the rate of its video. `videos` has the video of each frame.
+fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
+    let names: BTreeSet<&str> = videos.iter().flatten().copied().collect();
+    for name in names {
+        let is_of_video = |index: usize| videos.get(index).copied().flatten() == Some(name);
+        let of_video = frames.iter().enumerate().filter(|(index, _)| is_of_video(*index)).map(|(_, frame)| frame);
+        let rate = rate_of(&of_video.collect::<Vec<_>>());
+        for (_, frame) in frames.iter_mut().enumerate().filter(|(index, _)| is_of_video(*index)) {
+            frame.rate = rate;
+        }
+    }
+}
+
+/// The rate of all frames; none where it is not known or they differ.
+fn common_rate(frames: &[FrameCamera]) -> Option<Rate> {
+    let first = frames.first()?.rate?;
+    frames.iter().all(|frame| frame.rate == Some(first)).then_some(first)
+}
+
+/// The rate of a video's frames with numbers and times, where it is a usual one.
+fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
+    let timed = || frames.iter().filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)));
+    let seconds_at = |(index, pts_s): (u64, f64)| (index as f64, pts_s);
+    let first = seconds_at(timed().min_by_key(|at| at.0)?);
+    let last = seconds_at(timed().max_by_key(|at| at.0)?);
+    // One frame says how fast a video is that begins at zero.
+    let first = if first.0 == last.0 { (0.0, 0.0) } else { first };
+    Rate::nearest((last.0 - first.0) / (last.1 - first.1))
+}
+
+/// The cameras of a document in a format, proved.
+///
+/// # Errors
+/// There is nothing to export, two frames would have one name, or the files do not read back as they were meant.
+pub fn export_cameras(
+    at: DocumentAt<'_>,
+    format: Format,
+    camera_format: &dyn CameraFormat,
+    options: &ExportOptions,
+) -> Result<Exported, ExchangeError> {
+    let document = at.document;
+    let fields = Fields::of(at)?;
+    let mut left_out = Vec::new();
+    let mut chosen: Vec<FrameCamera> = Vec::new();
+    let mut videos: Vec<Option<&str>> = Vec::new();
+    let mut of_field: Option<Arc<FieldModel>> = None;
+    for frame in document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
+        let Some(camera) = frame_camera(document, frame, options.size) else {
+            left_out.push((frame.name(), "it is not solved".to_owned()));
+            continue;
+        };
+        if let Some(size) = options.size
+            && u64::from(size.width) * u64::from(frame.image_size.height)
+                != u64::from(size.height) * u64::from(frame.image_size.width)
+        {
+            let of = frame.image_size;
+            left_out
+                .push((frame.name(), format!("its picture of {} × {} px has other proportions", of.width, of.height)));
+            continue;
+        }
+        let field = fields.of_frame(document, frame);
+        if of_field.as_ref().is_some_and(|known| **known != **field) {
+            left_out.push((
+                frame.name(),
+                "it shows a different field from the frames before it; choose a camera".to_owned(),
+            ));
+            continue;
+        }
+        of_field.get_or_insert_with(|| Arc::clone(field));
+        chosen.push(camera);
+        videos.push(frame.video.as_ref().map(|video| video.path.as_str()));
+    }
+    let Some(field) = of_field else { return Err(nothing(format, &left_out)) };
+    note_rates(&mut chosen, &videos);
+    let options = &ExportOptions {
+        sensor_width_mm: options.sensor_width_mm.or_else(|| shared(document, &chosen, |camera| camera.sensor_width_mm)),
+        ..options.clone()
+    };
+    let context = WriteContext { options, field: &field, rate: options.rate.or_else(|| common_rate(&chosen)) };
+    let mut held = Vec::with_capacity(chosen.len());
+    for (index, frame) in chosen.iter().enumerate() {
+        let kept = camera_format.hold(frame, index, &context);
+        held.push(kept.map_err(|why| ExchangeError::CannotHold { frame: frame.name.clone(), format, why })?);
+    }
+    refuse_same_names(&chosen, &held)?;
+    let asked = options.stage.clone().or_else(|| shared(document, &chosen, |camera| camera.stage.clone()));
+    let stage = asked.as_ref().filter(|_| takes_stage(format));
+    let files = match stage {
+        Some(stage) => {
+            let staged: Vec<FrameCamera> = held.iter().map(|frame| in_stage(frame, stage)).collect();
+            camera_format.write(&staged, &context)?
+        }
+        None => camera_format.write(&held, &context)?,
+    };
+    let proof = Proof { format, of: camera_format, stage };
+    let worst_px = if camera_format.is_proved() { proof.worst_px(&files, &held, &context)? } else { 0.0 };
+    let mut notes = camera_format.notes(&held, &context);
+    notes.extend(stage_note(format, options.stage.as_ref(), stage));
+    notes.extend(interpolated_note(&held));
+    notes.extend(crown_note(&chosen, &field));
+    if let Some(size) = document.field.assumed_size() {
+        notes.push(format!("the field's size of {size} is assumed, not confirmed"));
+    }
+    Ok(Exported {
+        format,
+        frames: held.len(),
+        left_out,
+        loss: loss_between(&chosen, &held, &field),
+        notes,
+        worst_px,
+        in_takes: false,
+        dataset: None,
+        files,
+    })
+}
+
+/// What the document states alike for the cameras of all these frames.
+fn shared<T: PartialEq>(document: &Document, frames: &[FrameCamera], of: impl Fn(&Camera) -> Option<T>) -> Option<T> {
+    let stated = |frame: &FrameCamera| of(document.camera(&frame.camera.as_deref()?.into())?);
+    let mut stated = frames.iter().map(stated);
+    let first = stated.next()??;
+    stated.all(|other| other.as_ref() == Some(&first)).then_some(first)
+}
+
+/// What readers that take the ground as flat are off.
+fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
+    let crown_m = field.crown_m;
+    (crown_m != 0.0).then(|| {
+        let off_px = crown_off_px(frames, field);
+        format!(
+            "not held: the crown of {crown_m:.2} m; on flat ground points of the field are up to {off_px:.1} px away"
+        )
+    })
+}
+
+/// In which axes a track is.
+fn stage_note(format: Format, asked: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
+    match (asked, stage) {
+        (_, Some(Stage { origin_m, heading_deg, .. })) => Some(format!(
+            "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading {heading_deg}°",
+            origin_m.x, origin_m.y, origin_m.z
+        )),
+        (Some(_), None) => Some(format!("{format} is written in the field's axes; the stage is for tracks")),
+        (None, None) => None,
+    }
+}
+
+/// The frames whose cameras lie between those of others, so that nobody takes them for labels.
+fn interpolated_note(frames: &[FrameCamera]) -> Option<String> {
+    let numbers: Vec<u64> = frames
+        .iter()
+        .filter(|frame| frame.record.source == Some(SolutionSource::Interpolated))
+        .filter_map(|frame| frame.frame_index)
+        .collect();
+    let (first, last) = (numbers.first()?, numbers.last()?);
+    Some(format!("{} frames are interpolated, the first {first}, the last {last}", numbers.len()))
+}
+
+fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(), ExchangeError> {
+    let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
+    for (frame, kept) in frames.iter().zip(held) {
+        if let Some(first) = seen.insert(&kept.name, &frame.name) {
+            let (first, second) = (first.to_owned(), frame.name.clone());
+            return Err(ExchangeError::SameName { name: kept.name.clone(), first, second });
+        }
+    }
+    Ok(())
+}
+
+/// What is written, to be read again.
+struct Proof<'a> {
+    format: Format,
+    of: &'a dyn CameraFormat,
+    /// The stage in whose axes it is written.
+    stage: Option<&'a Stage>,
+}
+
+impl Proof<'_> {
+    /// Reads the files again, as frames and as a document, and compares every landmark; the farthest, px.
+    fn worst_px(&self, files: &Files, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<f64, ExchangeError> {
+        let Proof { format, of, stage } = *self;
+        let reading = of.reading(held, context.options);
+        let mut read = of.read(files, &reading)?;
+        if let Some(stage) = stage {
+            read = read.iter().map(|frame| in_world(frame, stage)).collect();
+        }
+        // Each frame is held once: a long video has many.
+        let is_complete = read.len() == held.len();
+        let mut by_name: BTreeMap<String, FrameCamera> =
+            read.into_iter().map(|frame| (frame.name.clone(), frame)).collect();
+        let otherwise = |kept: &FrameCamera| ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
+        let mut worst_px = 0.0_f64;
+        let mut compare = |kept: &FrameCamera, again: &FrameCamera| {
+            let (what, off_px) = farthest_landmark(kept, again, context.field);
+            let allowed_px = of.resolution_px(kept);
+            if !(off_px <= allowed_px) {
+                let frame = kept.name.clone();
+                return Err(ExchangeError::ReadsBackElsewhere { frame, format, what, off_px, allowed_px });
+            }
+            worst_px = worst_px.max(off_px);
+            Ok(())
+        };
+        let mut views = Vec::with_capacity(held.len());
+        for kept in held {
+            let again = by_name.remove(&kept.name).filter(|_| is_complete).ok_or_else(|| otherwise(kept))?;
+            compare(kept, &again)?;
+            if let (Some(size), &Shown::Camera(view)) = (kept.size, &again.shown) {
+                views.push((again, size, view));
+            }
+        }
+        // As a document: frames share bases there, and pan, tilt and focal length are what is left.
+        let document = document_of(reading.field, &views, of.exactness());
+        drop(views);
+        for (kept, frame) in held.iter().zip(&document.frames) {
+            let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
+            let shown = camera.ok_or_else(|| otherwise(kept))?;
+            compare(kept, &FrameCamera { shown, ..kept.clone() })?;
+        }
+        Ok(worst_px)
+    }
+}

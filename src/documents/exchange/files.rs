@@ -1,0 +1,280 @@
+//! The files of an export or import in memory: written whole or not at all, read with limits.
+
+use super::error::{ExchangeError, Problem};
+use std::collections::BTreeMap;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use touchline_core::files::{
+    NotReadable, folder_of, follow_link, read_named, refuse_part_of_project, replace_folder, temporary_file_in,
+    temporary_folder_in,
+};
+
+/// The largest file that is read.
+pub const MAX_FILE_BYTES: u64 = 64 << 20;
+/// The most that is read of one folder.
+const MAX_TOTAL_BYTES: u64 = 1 << 30;
+/// The most files that are looked at in one folder.
+const MAX_FILES: usize = 500_000;
+/// How deep folders are searched.
+const MAX_DEPTH: usize = 5;
+
+/// Files by their path from the folder that holds them, with `/` between the parts.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Files(BTreeMap<String, Vec<u8>>);
+
+impl Files {
+    /// One file.
+    #[must_use]
+    pub fn one(name: &str, bytes: Vec<u8>) -> Self {
+        Self(BTreeMap::from([(name.to_owned(), bytes)]))
+    }
+
+    /// Adds a file; whoever names them has made sure that no two have one name.
+    pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
+        self.0.insert(name.into(), bytes.into());
+    }
+
+    /// Every file by name, in the order of numbers within the names.
+    #[must_use]
+    pub fn sorted(&self) -> Vec<(&str, &[u8])> {
+        let mut files: Vec<(&str, &[u8])> = self.0.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
+        files.sort_by(|a, b| alphanumeric_sort::compare_str(a.0, b.0));
+        files
+    }
+
+    /// What every file holds, in order.
+    ///
+    /// # Errors
+    /// One of them is damaged; it is named.
+    pub(super) fn read_all<T, I: IntoIterator<Item = T>>(
+        &self,
+        mut read: impl FnMut(&str, &[u8]) -> Result<I, Problem>,
+    ) -> Result<Vec<T>, ExchangeError> {
+        let mut all = Vec::new();
+        for (name, bytes) in self.sorted() {
+            all.extend(read(name, bytes).map_err(|problem| problem.within(name))?);
+        }
+        Ok(all)
+    }
+
+    /// A file by name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&[u8]> {
+        self.0.get(name).map(Vec::as_slice)
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Reads a file, or those files of a folder whose names are accepted. Links are not followed.
+    ///
+    /// # Errors
+    /// Something cannot be read, is too large, or the folder holds too much.
+    pub(super) fn read(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Self, ExchangeError> {
+        let failed = |source| ExchangeError::Read { path: path.to_path_buf(), source };
+        let mut files = Self::default();
+        if !fs::metadata(path).map_err(failed)?.is_dir() {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let bytes = read_limited(path, &name)?;
+            files.add(name, bytes);
+            return Ok(files);
+        }
+        let mut reader = FolderReader { root: path, is_wanted, seen: 0, total: 0, files };
+        reader.folder(path, "", 0)?;
+        Ok(reader.files)
+    }
+
+    /// Writes the only file to `path`, or all of them into a new folder there. Everything is written beside it first and then
+    /// renamed. `force` replaces files of the same names; a folder that holds others is not replaced.
+    ///
+    /// # Errors
+    /// Something is there already and `force` was not given, other files would be lost, or it cannot be written; nothing was
+    /// changed then.
+    pub fn write(&self, path: &Path, is_folder: bool, force: bool) -> Result<(), ExchangeError> {
+        if !force && path.exists() && !is_empty_folder(path) {
+            return Err(ExchangeError::Exists { path: path.to_path_buf() });
+        }
+        let failed = |source| ExchangeError::Write { path: path.to_path_buf(), source };
+        let path = &follow_link(path);
+        if is_folder {
+            let new = self.write_temporary_folder(path).map_err(failed)?;
+            return Ok(replace_folder(new, path, &|name, _| self.0.contains_key(name))?);
+        }
+        refuse_part_of_project(path)?;
+        self.write_file(path).map_err(failed)
+    }
+
+    fn write_file(&self, path: &Path) -> io::Result<()> {
+        let bytes = self.0.values().next().map_or(&[][..], Vec::as_slice);
+        if fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+            return OpenOptions::new().write(true).open(path)?.write_all(bytes);
+        }
+        let mut file = temporary_file_in(folder_of(path))?;
+        file.as_file_mut().write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(path).map(drop).map_err(|error| error.error)
+    }
+
+    /// The files in a temporary folder beside `path`.
+    fn write_temporary_folder(&self, path: &Path) -> io::Result<tempfile::TempDir> {
+        let new = temporary_folder_in(folder_of(path))?;
+        for (name, bytes) in &self.0 {
+            let file = new.path().join(name);
+            fs::create_dir_all(folder_of(&file))?;
+            fs::write(file, bytes)?;
+        }
+        Ok(new)
+    }
+}
+
+/// An empty folder counts as absent.
+fn is_empty_folder(path: &Path) -> bool {
+    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// Reads the wanted files of a folder and those in it.
+struct FolderReader<'a> {
+    root: &'a Path,
+    is_wanted: &'a dyn Fn(&str) -> bool,
+    seen: usize,
+    total: u64,
+    files: Files,
+}
+
+impl FolderReader<'_> {
+    fn folder(&mut self, folder: &Path, prefix: &str, depth: usize) -> Result<(), ExchangeError> {
+        let failed = |source| ExchangeError::Read { path: folder.to_path_buf(), source };
+        let mut entries: Vec<(String, PathBuf, fs::FileType)> = Vec::new();
+        for entry in fs::read_dir(folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+            entries.push((name, entry.path(), entry.file_type().map_err(failed)?));
+            self.seen += 1;
+            if self.seen > MAX_FILES {
+                return Err(ExchangeError::TooMuch { path: self.root.to_path_buf(), limit: "500 000 files" });
+            }
+        }
+        entries.sort_by(|a, b| a.0.cmp(&b.0));
+        for (name, path, kind) in entries {
+            if kind.is_dir() && depth < MAX_DEPTH {
+                self.folder(&path, &format!("{name}/"), depth + 1)?;
+            } else if kind.is_file() && (self.is_wanted)(&name) {
+                let bytes = read_limited(&path, &name)?;
+                self.total += bytes.len() as u64;
+                if self.total > MAX_TOTAL_BYTES {
+                    return Err(ExchangeError::TooMuch { path: self.root.to_path_buf(), limit: "1 GiB" });
+                }
+                self.files.add(name, bytes);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads a file up to the limit.
+fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
+    read_named(path, MAX_FILE_BYTES).map_err(|source| {
+        match source.get_ref().and_then(|inner| inner.downcast_ref::<NotReadable>()) {
+            Some(NotReadable::TooLarge { bytes, limit }) => {
+                Problem::TooLarge { bytes: *bytes, limit: *limit }.within(name)
+            }
+            _ => ExchangeError::Read { path: path.to_path_buf(), source },
+        }
+    })
+}
+
+/// Archives are not read: what lies in them is unpacked by people, who see where it goes.
+///
+/// # Errors
+/// It is one.
+pub(super) fn refuse_archive(bytes: &[u8]) -> Result<(), Problem> {
+    const ARCHIVES: [(&[u8], &str); 3] = [(b"PK\x03\x04", "zip"), (b"\x1f\x8b", "gzip"), (b"7z\xbc\xaf", "7z")];
+    let found = ARCHIVES.into_iter().find(|(magic, _)| bytes.starts_with(magic));
+    found.map_or(Ok(()), |(_, kind)| Err(Problem::Archive(kind)))
+}
+
+/// The text of a file, without a byte order mark.
+///
+/// # Errors
+/// It is empty, an archive or not UTF-8.
+pub(super) fn text(bytes: &[u8]) -> Result<&str, Problem> {
+    refuse_archive(bytes)?;
+    let text = std::str::from_utf8(bytes).map_err(|error| Problem::NotUtf8 { offset: error.valid_up_to() })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim().is_empty() { Err(Problem::Empty) } else { Ok(text) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let files = Files::read(folder, &|_| true).unwrap();
+        files.sorted().into_iter().map(|(name, _)| name.to_owned()).collect()
+    }
+
+    #[test]
+    fn a_folder_is_written_whole_and_replaced_only_by_force() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("out");
+        let mut files = Files::default();
+        files.add("labels/10.txt", "ten");
+        files.add("labels/9.txt", "nine");
+        files.write(&path, true, false).unwrap();
+        assert_eq!(names(&path), ["labels/9.txt", "labels/10.txt"]);
+        let other = Files::one("labels/9.txt", b"other".to_vec());
+        let refusal = other.write(&path, true, false).unwrap_err().to_string();
+        assert!(refusal.ends_with("out already exists; give --force to replace it, or another -o"), "{refusal}");
+        let refusal = other.write(&path, true, true).unwrap_err().to_string();
+        assert!(refusal.contains("out holds labels/10.txt, which would be lost"), "{refusal}");
+        files.add("labels/9.txt", "other");
+        files.write(&path, true, true).unwrap();
+        assert_eq!(fs::read(path.join("labels/9.txt")).unwrap(), b"other");
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1, "nothing temporary is left");
+    }
+
+    #[test]
+    fn a_file_too_large_is_refused_before_it_is_read() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("large.json");
+        fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
+        let error = Files::read(&path, &|_| true).unwrap_err();
+        assert_eq!(error.to_string(), "large.json: it is 65 MiB, at most 64 MiB are read");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_written_through() {
+        let place = tempfile::tempdir().unwrap();
+        let (file, folder) = (place.path().join("file"), place.path().join("folder"));
+        fs::write(&file, "old").unwrap();
+        fs::create_dir(&folder).unwrap();
+        for (target, is_folder) in [(&file, false), (&folder, true)] {
+            let link = target.with_extension("link");
+            std::os::unix::fs::symlink(target, &link).unwrap();
+            Files::one("a.txt", b"new".to_vec()).write(&link, is_folder, true).unwrap();
+            assert!(link.is_symlink(), "{} was replaced", link.display());
+        }
+        assert_eq!((fs::read(file).unwrap(), fs::read(folder.join("a.txt")).unwrap()), (b"new".into(), b"new".into()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_in_a_folder_are_not_followed() {
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join("a.json"), "{}").unwrap();
+        std::os::unix::fs::symlink("/", place.path().join("root")).unwrap();
+        std::os::unix::fs::symlink("/etc/passwd", place.path().join("b.json")).unwrap();
+        assert_eq!(names(place.path()), ["a.json"]);
+    }
+}

@@ -1,0 +1,241 @@
+//! The foreign formats by name.
+
+use std::fmt;
+
+/// A format of an import or export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// This program's own: one JSON file.
+    Json,
+    /// Camera files of the SoccerNet challenges.
+    SoccerNet,
+    /// Line annotations of the SoccerNet challenges.
+    SoccerNetLines,
+    /// A table with a row a frame.
+    Csv,
+    /// Keypoints for Ultralytics' pose models.
+    YoloPose,
+    /// COCO keypoints.
+    Coco,
+    /// CVAT's XML 1.1.
+    Cvat,
+    /// Label Studio's JSON.
+    LabelStudio,
+    /// labelme's JSON, a file an image.
+    Labelme,
+    /// Homographies of the World Cup 2014 set.
+    Wc14,
+    /// Homographies of the TS-WorldCup set.
+    TsWorldCup,
+    /// Homographies as JSON lines that state their direction and units.
+    Homography,
+    /// `BroadTrack`'s JSON.
+    BroadTrack,
+    /// COLMAP's text files.
+    Colmap,
+    /// OpenCV's YAML, a file a frame.
+    OpenCv,
+    /// A USD stage as text.
+    Usda,
+    /// `OpenTrackIO` samples, one a line.
+    OpenTrackIo,
+    /// `FreeD` packets.
+    FreeD,
+    /// What `FreeD` holds, as a table.
+    FreeDCsv,
+    /// `DeepSport`'s basketball cameras.
+    DeepSport,
+    /// Nuke's camera track.
+    Chan,
+    /// The Common Data Format's sheet of a video.
+    Cdf,
+    /// Cameras of `PnLCalib`, No Bells Just Whistles and `TVCalib`.
+    PnlCalib,
+    /// The MATLAB files of the two-point method's authors.
+    AuthorsMat,
+}
+
+/// What is known of a format as such.
+struct Facts {
+    name: &'static str,
+    title: &'static str,
+    is_folder: bool,
+    imports: bool,
+    exports: bool,
+}
+
+/// A row of the table of formats.
+const fn facts(name: &'static str, title: &'static str, is_folder: bool, imports: bool, exports: bool) -> Facts {
+    Facts { name, title, is_folder, imports, exports }
+}
+
+impl Format {
+    /// Every format, in the order of the help.
+    pub const ALL: [Self; 24] = [
+        Self::Json,
+        Self::SoccerNet,
+        Self::SoccerNetLines,
+        Self::Csv,
+        Self::YoloPose,
+        Self::Coco,
+        Self::Cvat,
+        Self::LabelStudio,
+        Self::Labelme,
+        Self::Wc14,
+        Self::TsWorldCup,
+        Self::Homography,
+        Self::BroadTrack,
+        Self::Colmap,
+        Self::OpenCv,
+        Self::Usda,
+        Self::OpenTrackIo,
+        Self::FreeD,
+        Self::FreeDCsv,
+        Self::DeepSport,
+        Self::Chan,
+        Self::Cdf,
+        Self::PnlCalib,
+        Self::AuthorsMat,
+    ];
+
+    const fn facts(self) -> Facts {
+        match self {
+            Self::Json => facts("json", "a dataset: one file of the document's own schema", false, true, true),
+            Self::SoccerNet => facts("soccernet", "SoccerNet camera files, one per frame", true, true, true),
+            Self::SoccerNetLines => {
+                facts("soccernet-lines", "SoccerNet line annotations, one file per frame", true, true, true)
+            }
+            Self::Csv => facts("csv", "a table, one row per frame, with R, t and H", false, true, true),
+            Self::YoloPose => facts("yolo-pose", "keypoints for Ultralytics' pose models", true, true, true),
+            Self::Coco => facts("coco", "COCO keypoints", false, true, true),
+            Self::Cvat => facts("cvat", "CVAT for images, XML 1.1", false, true, false),
+            Self::LabelStudio => facts("label-studio", "Label Studio keypoints", false, true, true),
+            Self::Labelme => facts("labelme", "labelme, one file per image", true, true, true),
+            Self::Wc14 => facts("wc14", "World Cup 2014 homographies, one file per frame", true, true, true),
+            Self::TsWorldCup => facts("tsworldcup", "TS-WorldCup homographies, one .npy per frame", true, true, true),
+            Self::Homography => facts("homography", "homographies that state their direction", false, true, true),
+            Self::BroadTrack => facts("broadtrack", "BroadTrack cameras, one JSON file", false, true, true),
+            Self::Colmap => facts("colmap", "COLMAP text: cameras, images, points3D", true, true, true),
+            Self::OpenCv => facts("opencv", "OpenCV FileStorage YAML, one file per frame", true, true, true),
+            Self::Usda => facts("usda", "a USD stage with an animated camera", false, false, true),
+            Self::OpenTrackIo => facts("opentrackio", "OpenTrackIO 1.0.1, one sample per line", false, true, true),
+            Self::FreeD => facts("freed", "FreeD D1 packets, back to back", false, true, true),
+            Self::FreeDCsv => facts("freed-csv", "FreeD data as a table, with times", false, true, true),
+            Self::DeepSport => facts("deepsport", "DeepSport basketball cameras", true, true, false),
+            Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
+            Self::Cdf => facts("cdf", "Common Data Format: the sheet of a video", false, false, true),
+            Self::PnlCalib => facts("pnlcalib", "cameras of PnLCalib, NBJW or TVCalib", true, true, false),
+            Self::AuthorsMat => facts("authors-mat", "the two-point method's MATLAB files", true, true, false),
+        }
+    }
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.facts().name
+    }
+
+    /// What it is, in a line.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        self.facts().title
+    }
+
+    /// What an export loses, in a few words.
+    #[must_use]
+    pub const fn loses(self) -> &'static str {
+        match self {
+            Self::Json => "nothing",
+            Self::SoccerNet => "size of the picture, time, uncertainty",
+            Self::SoccerNetLines => "landmarks, cameras; corner arcs have no class",
+            Self::Csv => "clicks",
+            Self::YoloPose => "points on lines, points outside of the picture, cameras",
+            Self::Coco => "points on lines, cameras",
+            Self::LabelStudio | Self::Labelme => "check points, cameras",
+            Self::Wc14 | Self::TsWorldCup | Self::Homography => "lens, points off the ground, time, uncertainty",
+            Self::BroadTrack => "an off-centre principal point, time, uncertainty",
+            Self::Colmap | Self::OpenCv => "time, uncertainty",
+            Self::Usda => "lens, size of the picture, uncertainty",
+            Self::OpenTrackIo => "uncertainty",
+            Self::FreeD => "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values",
+            Self::FreeDCsv => "lens, principal point, size; whole zoom values",
+            Self::Chan => "lens, principal point, size, rate, uncertainty",
+            Self::Cdf => "everything but the camera's position, the picture size and the frame rate",
+            Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat => "it is read only",
+        }
+    }
+
+    /// The format of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.name() == name)
+    }
+
+    /// Whether it holds points or lines of pictures, not cameras.
+    #[must_use]
+    pub const fn is_of_points(self) -> bool {
+        matches!(
+            self,
+            Self::SoccerNetLines | Self::YoloPose | Self::Coco | Self::Cvat | Self::LabelStudio | Self::Labelme
+        )
+    }
+
+    /// Whether an export makes a folder, not a file.
+    #[must_use]
+    pub const fn is_folder(self) -> bool {
+        self.facts().is_folder
+    }
+
+    /// Whether it can be imported.
+    #[must_use]
+    pub const fn imports(self) -> bool {
+        self.facts().imports
+    }
+
+    /// Whether an export is read again, and every landmark or click compared, before it is written. A sheet without cameras is not;
+    /// a document is compared as a text.
+    #[must_use]
+    pub const fn is_proved(self) -> bool {
+        self.exports() && !matches!(self, Self::Cdf | Self::Json)
+    }
+
+    /// Whether it can be exported.
+    #[must_use]
+    pub const fn exports(self) -> bool {
+        self.facts().exports
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Format;
+
+    #[test]
+    fn every_format_has_a_name_of_its_own_and_goes_one_way_at_least() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_name(format.name()), Some(format));
+            assert!(format.imports() || format.exports(), "{format}");
+            assert!(!format.exports() || format.loses() != "it is read only", "{format}");
+        }
+    }
+
+    #[test]
+    fn every_format_has_its_page() {
+        let pages = touchline_assets::FORMATS;
+        for format in Format::ALL {
+            let page = pages.split("\n## ").find(|page| page.lines().next() == Some(format.name()));
+            let page = page.unwrap_or_else(|| panic!("assets/formats.md has no section {format}"));
+            for part in ["**Conventions**", "**Used", "**Lost**"] {
+                assert!(page.contains(part), "{format}: {part}");
+            }
+        }
+        assert_eq!(pages.matches("\n## ").count(), Format::ALL.len());
+    }
+}

@@ -1,0 +1,235 @@
+//! A frame's camera as formats exchange it: one rotation, one centre, one lens, without base and pan.
+
+use crate::document::{FrameStatus, SolutionSource};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
+use touchline_core::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+
+use super::error::Problem;
+use super::rate::Rate;
+
+/// How a frame shows the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shown {
+    /// By a camera.
+    Camera(Pinhole),
+    /// By a homography from the ground (world x and y, m) to the picture (px, corner convention).
+    Ground(Mat3),
+}
+
+/// A pinhole camera with radial distortion, in the conventions of the document.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pinhole {
+    /// The rotation from `world` to `cam`.
+    pub cam_from_world: Mat3,
+    /// The centre of projection in `world`, m.
+    pub position_m: Vec3,
+    /// px.
+    pub focal_px: f64,
+    /// px, corner convention.
+    pub principal_point: ImagePoint,
+    /// On normalised coordinates.
+    pub lens: Radial,
+}
+
+/// A frame of an import or export.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameCamera {
+    /// What the format calls it; unique within a file.
+    pub name: String,
+    /// Its image as the document or the file has it; none for a frame of a video only.
+    pub image: Option<String>,
+    /// The name of its camera; none where the format has none.
+    pub camera: Option<String>,
+    /// The size of the picture; none where the format does not say.
+    pub size: Option<ImageSize>,
+    /// How it shows the world.
+    pub shown: Shown,
+    /// The video frame, counted from 0.
+    pub frame_index: Option<u64>,
+    /// Its time from the stream's start, s.
+    pub pts_s: Option<f64>,
+    /// Frames a second of its video, where the times of the video's frames say so.
+    pub rate: Option<Rate>,
+    /// How good it is.
+    pub record: Record,
+}
+
+/// What is known of a frame besides its camera.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// How far it has come.
+    pub status: FrameStatus,
+    /// What it was solved from.
+    pub source: Option<SolutionSource>,
+    /// Pan and tilt in the document's base.
+    pub ptz: Option<Ptz>,
+    /// 1-σ of pan (degrees), tilt (degrees) and focal length (px).
+    pub sigma: Option<[f64; 3]>,
+    /// 1-σ of the overlay at the worst corner, px.
+    pub worst_corner_sigma_px: Option<f64>,
+    /// px.
+    pub rms_px: Option<f64>,
+    /// 0 to 1.
+    pub confidence: Option<f64>,
+    /// Where people clicked on landmarks, by name, in px of the picture as it is written; points that were held out are not here.
+    pub clicks: Vec<(String, ImagePoint)>,
+}
+
+impl FrameCamera {
+    /// A frame of which only a name and a camera are known.
+    #[must_use]
+    pub fn new(name: &str, size: Option<ImageSize>, shown: Shown) -> Self {
+        Self {
+            name: name.to_owned(),
+            image: None,
+            camera: None,
+            size,
+            shown,
+            frame_index: None,
+            pts_s: None,
+            rate: None,
+            record: Record::default(),
+        }
+    }
+
+    /// The camera; none for a homography.
+    #[must_use]
+    pub const fn pinhole(&self) -> Option<&Pinhole> {
+        match &self.shown {
+            Shown::Camera(pinhole) => Some(pinhole),
+            Shown::Ground(_) => None,
+        }
+    }
+
+    /// Where it shows a point of the world; none behind the camera, and off the ground for a homography.
+    #[must_use]
+    pub fn image_from_world(&self, point_in_world: Vec3) -> Option<ImagePoint> {
+        match &self.shown {
+            Shown::Camera(pinhole) => pinhole.pointed()?.image_from_world(point_in_world).ok(),
+            Shown::Ground(image_from_ground) => {
+                if point_in_world.z != 0.0 {
+                    return None;
+                }
+                let image = image_from_ground * Vec3::new(point_in_world.x, point_in_world.y, 1.0);
+                Some(ImagePoint::new(image.x / image.z, image.y / image.z)).filter(|point| point.is_finite())
+            }
+        }
+    }
+}
+
+impl Pinhole {
+    /// The camera of a frame as it is pointed.
+    #[must_use]
+    pub fn of(camera: &PtzCamera) -> Self {
+        Self {
+            cam_from_world: camera.cam_from_world(),
+            position_m: camera.base().position_m,
+            focal_px: camera.ptz().focal_px,
+            principal_point: camera.base().principal_point,
+            lens: camera.lens(),
+        }
+    }
+
+    /// A camera that was read: every number finite, the focal length positive, the rotation tidied.
+    ///
+    /// # Errors
+    /// One of them is not; `what` names the frame.
+    pub fn checked(self, what: &str) -> Result<Self, Problem> {
+        let numbers = [self.focal_px, self.principal_point.x, self.principal_point.y, self.lens.k1, self.lens.k2];
+        if !numbers.iter().chain(self.position_m.iter()).all(|number| number.is_finite()) {
+            return Err(Problem::NotFinite(format!("a number of {what}")));
+        }
+        if !(self.focal_px > 0.0) {
+            let what = format!("the focal length of {what}");
+            return Err(Problem::OutOfRange { what, value: self.focal_px, wanted: "above 0" });
+        }
+        if self.position_m.amax() > FARTHEST_M {
+            let what = format!("a coordinate of the position of {what}");
+            return Err(Problem::OutOfRange {
+                what,
+                value: self.position_m.amax(),
+                wanted: "within 100 km, in metres",
+            });
+        }
+        if self.lens.k1 == 0.0 && self.lens.k2 != 0.0 {
+            let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
+            return Err(Problem::Unsupported { what, why: "the lens model ties k2 to k1" });
+        }
+        if self.curve().is_none_or(|curve| !curve.is_finite()) {
+            let what = format!("k1 = {:e} with k2 = {:e} of {what}", self.lens.k1, self.lens.k2);
+            return Err(Problem::Unsupported { what, why: "no real lens distorts like that" });
+        }
+        let distance = distance_from_rotation(&self.cam_from_world);
+        if !(distance <= ROTATION_TOLERANCE) {
+            return Err(Problem::NotRotation { what: format!("the rotation of {what}"), distance });
+        }
+        let exact = distance <= EXACT_ROTATION;
+        let cam_from_world = if exact { self.cam_from_world } else { nearest_rotation(&self.cam_from_world) };
+        Ok(Self { cam_from_world, ..self })
+    }
+
+    /// The same as a camera of the mathematics. None where k₂ comes without k₁.
+    #[must_use]
+    pub fn pointed(&self) -> Option<PtzCamera> {
+        let base = CameraBase {
+            distortion: self.curve()?,
+            ..CameraBase::new(self.position_m, self.cam_from_world, self.principal_point)
+        };
+        Some(PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, self.focal_px)))
+    }
+
+    /// Its lens at every focal length.
+    #[must_use]
+    pub fn curve(&self) -> Option<FocalCurve> {
+        let Radial { k1, k2 } = self.lens;
+        if k1 == 0.0 && k2 != 0.0 {
+            return None;
+        }
+        let k2_per_k1_squared = if k2 == 0.0 { 0.0 } else { k2 / (k1 * k1) };
+        Some(FocalCurve { k2_per_k1_squared, ..FocalCurve::constant(k1) })
+    }
+
+    /// −R C.
+    #[must_use]
+    pub fn translation(&self) -> Vec3 {
+        -(self.cam_from_world * self.position_m)
+    }
+
+    /// The homography from the ground (z = 0; x, y in m, 1) to the picture of a lens without distortion.
+    #[must_use]
+    pub fn image_from_ground(&self) -> Mat3 {
+        let calibration = Mat3::new(
+            self.focal_px,
+            0.0,
+            self.principal_point.x,
+            0.0,
+            self.focal_px,
+            self.principal_point.y,
+            0.0,
+            0.0,
+            1.0,
+        );
+        let plane = Mat3::from_columns(&[
+            self.cam_from_world.column(0).into_owned(),
+            self.cam_from_world.column(1).into_owned(),
+            self.translation(),
+        ]);
+        calibration * plane
+    }
+
+    /// The same camera in a picture of another width; the height follows.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            focal_px: self.focal_px * factor,
+            principal_point: ImagePoint::new(self.principal_point.x * factor, self.principal_point.y * factor),
+            ..*self
+        }
+    }
+}
+
+/// A matrix nearer to a rotation than this is taken as it is.
+const EXACT_ROTATION: f64 = 1e-14;
+/// A camera farther from the field than this was read in other units, m.
+const FARTHEST_M: f64 = 1e5;

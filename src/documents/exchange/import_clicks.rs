@@ -1,0 +1,150 @@
+//! A document of points that people set with other tools.
+
+use super::clicked_frame::{ClickFormat, LabelledFrame, Mark};
+use super::error::ExchangeError;
+use super::files::Files;
+use super::imported::Imported;
+use super::labels::{Meaning, counted};
+use super::options::ImportOptions;
+use super::pictures::image_of;
+use super::values::clipped;
+use crate::document::{
+    Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between, resolved,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::ImageSize;
+
+/// Points farther than this from the picture's corner are a mistake, px.
+const FARTHEST_PX: f64 = 1e6;
+
+/// Reads a file or folder of clicks as a document of drafts.
+///
+/// # Errors
+/// It cannot be read, is damaged, or has labels that mean nothing.
+pub fn import_clicks(
+    path: &Path,
+    folder: &Path,
+    click_format: &dyn ClickFormat,
+    options: &ImportOptions,
+) -> Result<Imported, ExchangeError> {
+    let files = Files::read(path, &|name| click_format.is_wanted(name))?;
+    if files.is_empty() {
+        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: click_format.wanted() });
+    }
+    let images = options.images.as_ref().map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+    let sizes = |name: &str| image_of(name, &images).1.or(options.size);
+    let frames = click_format.read(&files, options, &sizes)?;
+    if frames.is_empty() {
+        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: "frame" });
+    }
+    refuse_damaged(&frames, path)?;
+    let field = options.field.model(folder)?;
+    let labels = if click_format.has_own_classes() { click_format.own_labels() } else { options.map.clone() };
+    let mut document = Document::new(options.field.clone());
+    let mut unmapped: BTreeMap<String, usize> = BTreeMap::new();
+    let mut twice: BTreeMap<String, usize> = BTreeMap::new();
+    for frame in frames {
+        let mut clicks = Vec::new();
+        for mark in &frame.marks {
+            match labels.meaning(&mark.label, &field)? {
+                Meaning::Target(target) => clicks.push(Click::new(target, mark.image)),
+                Meaning::Nothing => {}
+                Meaning::Unknown => *unmapped.entry(mark.label.clone()).or_default() += 1,
+            }
+        }
+        drop_repeated_landmarks(&mut clicks, &mut twice);
+        document.frames.push(frame_of(&frame, clicks, &mut Cameras(&mut document.cameras), folder, &images).into());
+    }
+    let mut notes = Vec::new();
+    if !unmapped.is_empty() {
+        if !options.skip_unmapped {
+            return Err(ExchangeError::Unmapped { labels: counted(&unmapped) });
+        }
+        notes.push(format!("left out without meaning: {}", counted(&unmapped)));
+    }
+    if !twice.is_empty() {
+        notes.push(format!("left out because a frame has them more than once: {}", counted(&twice)));
+    }
+    notes.extend(points_off_the_field(&field));
+    Ok(Imported { document, folder: folder.to_path_buf(), notes })
+}
+
+/// Refuses a picture that is there twice, and points that lie nowhere near theirs.
+fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeError> {
+    let mut names = BTreeSet::new();
+    for frame in frames {
+        let name = frame.image.as_ref().unwrap_or(&frame.name);
+        if !names.insert(name) {
+            return Err(ExchangeError::SameFrame { path: path.to_path_buf(), name: clipped(name) });
+        }
+        if frame.marks.len() > MAX_CLICKS {
+            let (path, frame, found) = (path.to_path_buf(), clipped(name), frame.marks.len());
+            return Err(ExchangeError::TooManyPoints { path, frame, found, limit: MAX_CLICKS });
+        }
+        let is_near = |mark: &&Mark| mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX;
+        if let Some(mark) = frame.marks.iter().find(|mark| !is_near(mark)) {
+            return Err(ExchangeError::NoPlace {
+                path: path.to_path_buf(),
+                frame: clipped(name),
+                label: clipped(&mark.label),
+                x: mark.image.x,
+                y: mark.image.y,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A field whose size nobody has confirmed is said.
+fn points_off_the_field(field: &FieldModel) -> Option<String> {
+    (field.template == "soccer").then(|| {
+        format!(
+            "the field is taken as {} × {} m; --set length_m=… and width_m=… give another",
+            field.length_m, field.width_m
+        )
+    })
+}
+
+/// A landmark that is there twice keeps none: nobody knows which is right. A line keeps all.
+fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String, usize>) {
+    let mut counts: BTreeMap<Target, usize> = BTreeMap::new();
+    for target in clicks.iter().filter_map(|click| click.target.clone()) {
+        *counts.entry(target).or_default() += 1;
+    }
+    counts.retain(|target, count| target.line().is_none() && *count > 1);
+    for (target, count) in &counts {
+        *twice.entry(target.as_str().to_owned()).or_default() += count;
+    }
+    clicks.retain(|click| click.target.as_ref().is_none_or(|target| !counts.contains_key(target)));
+}
+
+/// The cameras of a document that is made: one for each size of picture.
+struct Cameras<'a>(&'a mut Vec<crate::document::Shared<Camera>>);
+
+impl Cameras<'_> {
+    fn of_size(&mut self, size: ImageSize) -> CameraId {
+        if let Some(camera) = self.0.iter().find(|camera| camera.image_size == size) {
+            return camera.id.clone();
+        }
+        let name = if self.0.is_empty() { "main".to_owned() } else { format!("main_{}x{}", size.width, size.height) };
+        let camera = Camera::new(name.as_str().into(), size);
+        let id = camera.id.clone();
+        self.0.push(camera.into());
+        id
+    }
+}
+
+fn frame_of(
+    frame: &LabelledFrame,
+    clicks: Vec<Click>,
+    cameras: &mut Cameras<'_>,
+    folder: &Path,
+    images: &Path,
+) -> Frame {
+    let named = frame.image.as_deref().unwrap_or(&frame.name);
+    let path = path_between(folder, &images.join(image_of(named, images).0));
+    let status = if clicks.is_empty() { FrameStatus::New } else { FrameStatus::Draft };
+    Frame { status, clicks, ..Frame::from_image(&path, cameras.of_size(frame.size), frame.size) }
+}

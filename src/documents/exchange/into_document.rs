@@ -1,0 +1,310 @@
+//! A document of cameras that were read: frames that one base explains share a camera.
+
+use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use crate::document::{
+    Camera, CameraId, Distortion, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+    VideoFrame,
+};
+use nalgebra::SymmetricEigen;
+use std::collections::{BTreeMap, BTreeSet};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, Radial};
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use touchline_core::score::PlaneView;
+use touchline_core::solve::{PlanePoseError, pose_from_plane};
+
+/// Frames whose centres are nearer to each other than this have one camera, m.
+const SAME_PLACE_M: f64 = 1e-6;
+/// Pans closer together than this do not say where the pan axis points: the second eigenvalue per frame.
+const MIN_PAN_SPREAD: f64 = 1e-6;
+/// Ground farther from the middle of the field says nothing of its picture, m.
+const WIDEST_GROUND_M: f64 = 150.0;
+/// Lenses that differ by less than this are one.
+const SAME_LENS: f64 = 1e-12;
+
+/// How exactly the numbers of a format agree with each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Exactness {
+    /// Angles, rad.
+    pub angle_rad: f64,
+    /// Places, m.
+    pub place_m: f64,
+}
+
+impl Default for Exactness {
+    fn default() -> Self {
+        Self { angle_rad: 1e-10, place_m: SAME_PLACE_M }
+    }
+}
+
+/// Makes a document of frames with a known picture size each. A video's path, where given, is what frame numbers refer to.
+#[must_use]
+pub fn document_of(field: FieldSpec, frames: &[(FrameCamera, ImageSize, Pinhole)], exact: Exactness) -> Document {
+    let mut document = Document::new(field);
+    let mut ids = FreeIds::default();
+    let groups = of_one_place(frames, exact.place_m);
+    let mut made: Vec<Option<(CameraId, FramePtz)>> = vec![None; frames.len()];
+    for group in groups {
+        let views: Vec<&Pinhole> = group.iter().map(|&index| &frames[index].2).collect();
+        let axis = pan_axis(&views, exact.angle_rad);
+        let lens = lens_of(&views);
+        // Frames without a common base or lens have a camera each.
+        let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> = if let (Some(axis), Some(lens)) = (axis, lens) {
+            vec![(group, axis, lens)]
+        } else {
+            let alone = |&index: &usize| {
+                let view = &frames[index].2;
+                Some((vec![index], upright_axis(view), view.curve()?))
+            };
+            group.iter().filter_map(alone).collect()
+        };
+        for (members, axis, curve) in parts {
+            let (first, size, view) = &frames[members[0]];
+            let base = CameraBase {
+                distortion: curve,
+                ..CameraBase::new(view.position_m, base_about(&axis), view.principal_point)
+            };
+            let id = ids.take(first.camera.as_deref());
+            let mut camera = Camera::new(id.clone(), *size);
+            camera.set_base(&base);
+            if curve == FocalCurve::NONE {
+                camera.distortion = None::<Distortion>;
+            }
+            document.cameras.push(camera.into());
+            for index in members {
+                let view = &frames[index].2;
+                let turned = view.cam_from_world * base.base_from_world.transpose();
+                let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
+                let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
+                let ptz = Ptz { pan, tilt, focal_px: view.focal_px };
+                let lens = Some(base.distortion.radial_at(view.focal_px)).filter(|lens| !lens.is_none());
+                made[index] = Some((id.clone(), FramePtz::new(ptz, lens)));
+            }
+        }
+    }
+    for ((frame, size, _), made) in frames.iter().zip(made) {
+        if let Some((camera, ptz)) = made {
+            document.frames.push(document_frame(frame, camera, *size, ptz).into());
+        }
+    }
+    document
+}
+
+/// A frame as the document has it.
+fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: FramePtz) -> Frame {
+    let image = frame.image.clone().unwrap_or_else(|| frame.name.clone());
+    let mut made = match (&frame.image, frame.frame_index) {
+        (None, Some(index)) => Frame::from_video(VideoFrame::new(&frame.name, index, frame.pts_s), camera, size),
+        _ => Frame::from_image(&image, camera, size),
+    };
+    made.status = match frame.record.status {
+        FrameStatus::New | FrameStatus::Rejected => FrameStatus::Suggested,
+        known => known,
+    };
+    made.ptz = Some(ptz);
+    made.solution = Some(Solution {
+        source: Some(SolutionSource::Import),
+        rms_px: frame.record.rms_px,
+        worst_corner_sigma_px: frame.record.worst_corner_sigma_px,
+        confidence: frame.record.confidence,
+        ..Solution::default()
+    });
+    made
+}
+
+/// The positions of frames that may have one camera: taken from one place, with one camera's name, size and principal point.
+fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    // Groups by the cell of space that their first frame lies in: a set may have a place of its own for every frame.
+    let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
+    for (index, frame) in frames.iter().enumerate() {
+        let fits = |group: &usize| {
+            let first = &frames[groups[*group][0]];
+            first.1 == frame.1
+                && first.0.camera == frame.0.camera
+                && (first.2.position_m - frame.2.position_m).amax() <= place_m
+                && first.2.principal_point.distance_px(frame.2.principal_point) < 1e-9
+        };
+        let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
+        let near = cells_around(cell).filter_map(|cell| by_cell.get(&cell)?.iter().copied().find(fits)).min();
+        if let Some(group) = near {
+            groups[group].push(index);
+        } else {
+            by_cell.entry(cell).or_default().push(groups.len());
+            groups.push(vec![index]);
+        }
+    }
+    groups
+}
+
+/// A cell and those that touch it.
+fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let steps = || -1..=1;
+    let offsets = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+    offsets.map(move |offset: [i64; 3]| [0, 1, 2].map(|axis: usize| cell[axis].saturating_add(offset[axis])))
+}
+
+/// Ids for cameras: the first of `main`, `main-2`, … that none has; a name that the format gives takes the place of `main`.
+#[derive(Default)]
+struct FreeIds {
+    taken: BTreeSet<String>,
+    next: BTreeMap<String, usize>,
+}
+
+impl FreeIds {
+    fn take(&mut self, name: Option<&str>) -> CameraId {
+        let name = name.filter(|name| !name.is_empty()).unwrap_or("main");
+        let next = self.next.entry(name.to_owned()).or_insert(1);
+        loop {
+            let id = if *next == 1 { name.to_owned() } else { format!("{name}-{next}") };
+            *next += 1;
+            if self.taken.insert(id.clone()) {
+                return id.as_str().into();
+            }
+        }
+    }
+}
+
+/// The axis about which all of the views are panned, upwards (`world`): upright where that explains them, else the direction
+/// perpendicular to all of their horizontal axes. None if there is none within `tolerance_rad`.
+fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
+    let right = |view: &&Pinhole| view.cam_from_world.row(0).transpose();
+    let explains = |axis: &Vec3| views.iter().all(|view| right(view).dot(axis).abs() <= tolerance_rad);
+    let upright = Vec3::z();
+    if explains(&upright) {
+        return Some(upright);
+    }
+    let mut moments = Mat3::zeros();
+    for view in views {
+        moments += right(view) * right(view).transpose();
+    }
+    let eigen = SymmetricEigen::new(moments / views.len() as f64);
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let axis = if eigen.eigenvalues[order[1]] > MIN_PAN_SPREAD {
+        let axis: Vec3 = eigen.eigenvectors.column(order[0]).into_owned();
+        axis * axis.z.signum()
+    } else {
+        upright_axis(views.first()?)
+    };
+    explains(&axis).then_some(axis)
+}
+
+/// The pan axis of a single view that is as upright as its horizontal axis allows.
+fn upright_axis(view: &Pinhole) -> Vec3 {
+    let right: Vec3 = view.cam_from_world.row(0).transpose();
+    let upright = Vec3::z() - right * right.z;
+    // A camera on its side: its own vertical axis.
+    let upright = if upright.norm() > 1e-6 { upright } else { -view.cam_from_world.row(1).transpose() };
+    upright.normalize()
+}
+
+/// The base rotation with this pan axis that looks, seen from above, along world +y at pan zero.
+fn base_about(up: &Vec3) -> Mat3 {
+    let right = Vec3::y().cross(up).normalize();
+    Mat3::from_rows(&[right.transpose(), -up.transpose(), up.cross(&right).transpose()])
+}
+
+/// One lens for all views: k₁ linear in the focal length and one ratio of k₂ to k₁². None if there is none.
+fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
+    let by_focal = |a: &&&Pinhole, b: &&&Pinhole| a.focal_px.total_cmp(&b.focal_px);
+    let (low, high) = (views.iter().min_by(by_focal)?, views.iter().max_by(by_focal)?);
+    let mut curve = low.curve()?;
+    if views.iter().any(|view| (view.lens.k1 - low.lens.k1).abs() > SAME_LENS) {
+        let slope = (high.lens.k1 - low.lens.k1) / (high.focal_px - low.focal_px);
+        curve.at_focal_px = low.focal_px;
+        curve.per_1000_px = 1000.0 * slope;
+        if let Some(bent) = views.iter().find(|view| view.lens.k2 != 0.0) {
+            curve.k2_per_k1_squared = bent.lens.k2 / bent.lens.k1.powi(2);
+        }
+    }
+    let explains = |view: &&&Pinhole| {
+        let Radial { k1, k2 } = curve.radial_at(view.focal_px);
+        (k1 - view.lens.k1).abs() <= SAME_LENS && (k2 - view.lens.k2).abs() <= SAME_LENS
+    };
+    let all = views.iter().filter(explains).count() == views.len();
+    (all && curve.is_finite()).then_some(curve)
+}
+
+/// The camera of a frame, fitted to the homography where the format has only that; the principal point in the middle.
+///
+/// # Errors
+/// No camera with square pixels sees the ground so.
+pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlanePoseError> {
+    let image_from_ground = match &frame.shown {
+        Shown::Camera(pinhole) => return Ok(*pinhole),
+        Shown::Ground(image_from_ground) => image_from_ground,
+    };
+    let principal_point = size.centre();
+    let points = grid_on_ground(image_from_ground, size);
+    let pose = pose_from_plane(&points, principal_point)?.refined(&points, principal_point);
+    Ok(Pinhole {
+        cam_from_world: pose.cam_from_world,
+        position_m: pose.position_m,
+        focal_px: pose.focal_px,
+        principal_point,
+        lens: Radial::default(),
+    })
+}
+
+/// Points of the ground that the picture shows on a grid, with their pixels.
+fn grid_on_ground(image_from_ground: &Mat3, size: ImageSize) -> Vec<(Vec2, ImagePoint)> {
+    const STEPS: u32 = 8;
+    let Some(view) = PlaneView::new(image_from_ground, size) else { return Vec::new() };
+    let pixels = (0..=STEPS).flat_map(|column| (0..=STEPS).map(move |row| (column, row)));
+    let share = |step: u32, side: u32| f64::from(step) / f64::from(STEPS) * f64::from(side);
+    pixels
+        .map(|(column, row)| ImagePoint::new(share(column, size.width), share(row, size.height)))
+        .filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)))
+        .filter(|(ground, _)| ground.amax() < WIDEST_GROUND_M)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, PtzCamera};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn frame(name: &str, roll_deg: f64, ptz: (f64, f64, f64), k1: f64) -> (FrameCamera, ImageSize, Pinhole) {
+        let angles =
+            BaseAngles { roll: Angle::from_degrees(roll_deg), pitch: Angle::from_degrees(0.4), heading: Angle::ZERO };
+        let base = CameraBase {
+            distortion: FocalCurve { k2_per_k1_squared: 2.0, ..FocalCurve::constant(k1) },
+            ..CameraBase::new(Vec3::new(1.0, -60.0, 18.0), angles.base_from_world(), SIZE.centre())
+        };
+        let view = Pinhole::of(&PtzCamera::new(base, Ptz::from_degrees(ptz.0, ptz.1, ptz.2)));
+        (FrameCamera::new(name, Some(SIZE), Shown::Camera(view)), SIZE, view)
+    }
+
+    #[test]
+    fn frames_of_a_leaning_base_share_a_camera_and_show_what_they_showed() {
+        let frames = [
+            frame("a.jpg", 0.8, (-20.0, -9.0, 2000.0), -0.1),
+            frame("b.jpg", 0.8, (12.0, -11.0, 2000.0), -0.1),
+            frame("c.jpg", 0.8, (40.0, -14.0, 3000.0), -0.1),
+        ];
+        let document = document_of(FieldSpec::new("soccer"), &frames, Exactness::default());
+        assert_eq!(document.cameras.len(), 1);
+        for (frame, (_, _, view)) in document.frames.iter().zip(&frames) {
+            let camera = document.pointed(frame).unwrap();
+            for point in [Vec3::zeros(), Vec3::new(20.0, 10.0, 2.44), Vec3::new(-30.0, 20.0, 0.0)] {
+                let (a, b) = (camera.image_from_world(point), view.pointed().unwrap().image_from_world(point));
+                let Ok(b) = b else { continue };
+                assert!(a.unwrap().distance_px(b) < 1e-9, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn frames_that_no_base_explains_have_a_camera_each() {
+        let frames = [
+            frame("a.jpg", 0.0, (-20.0, -9.0, 2000.0), 0.1),
+            frame("b.jpg", 3.0, (12.0, -11.0, 2000.0), 0.1),
+            frame("c.jpg", -2.0, (30.0, -11.0, 2000.0), 0.1),
+        ];
+        let document = document_of(FieldSpec::new("soccer"), &frames, Exactness::default());
+        let names: Vec<_> = document.cameras.iter().map(|camera| camera.id.to_string()).collect();
+        assert_eq!(names, ["main", "main-2", "main-3"]);
+    }
+}

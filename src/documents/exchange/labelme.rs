@@ -1,0 +1,175 @@
+//! labelme's JSON, a file for each image: shapes with points in px from the picture's corner.
+//!
+//! A `point` is a landmark (or a point on a line, as its label says), `line` and `linestrip` are points on a line; other shapes
+//! are left alone. `imageData`, where it is there, is the picture again and is not looked at.
+
+use super::camera_format::has_ending;
+use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
+use super::error::{ExchangeError, Problem};
+use super::files::Files;
+use super::node::{Node, parse};
+use super::options::{ImportOptions, Pixels};
+use crate::document::Click;
+use serde_json::{Value, json};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+
+/// The format.
+pub struct Labelme;
+
+/// The version of labelme whose files these are like.
+const VERSION: &str = "6.3.1";
+
+fn to_json(frame: &ClickedFrame) -> Value {
+    let shapes = frame.clicks.iter().filter_map(|click| {
+        Some(json!({
+            "label": click.target.as_ref()?.as_str(),
+            "points": [[click.image.x, click.image.y]],
+            "group_id": null,
+            "shape_type": "point",
+            "flags": {},
+            "description": "",
+            "mask": null,
+        }))
+    });
+    json!({
+        "version": VERSION,
+        "flags": {},
+        "shapes": shapes.collect::<Vec<_>>(),
+        "imagePath": frame.image,
+        "imageData": null,
+        "imageHeight": frame.size.height,
+        "imageWidth": frame.size.width,
+    })
+}
+
+fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFrame, Problem> {
+    let value = parse(bytes)?;
+    let root = Node::root(&value);
+    let image = root.key("imagePath")?.image_name()?;
+    let stated = match (root.find("imageWidth"), root.find("imageHeight")) {
+        (Some(width), Some(height)) => Some(ImageSize::new(width.side_px()?, height.side_px()?)),
+        _ => None,
+    };
+    let there = sizes(&image);
+    if let (Some(stated), Some(there)) = (stated, there)
+        && stated != there
+    {
+        let what = format!(
+            "a file of {} × {} px for a picture of {} × {}",
+            stated.width, stated.height, there.width, there.height
+        );
+        return Err(Problem::Unsupported {
+            what,
+            why: "labelme rotates pictures by their EXIF orientation; save it rotated",
+        });
+    }
+    let size = stated.or(there).ok_or_else(|| size_needed(&image))?;
+    let mut marks = Vec::new();
+    for shape in root.key("shapes")?.items()? {
+        let kind = shape.key("shape_type")?.text()?;
+        if !matches!(kind, "point" | "points" | "line" | "linestrip") {
+            continue;
+        }
+        let label = shape.key("label")?.text()?.to_owned();
+        for point in shape.key("points")?.items()? {
+            let [x, y]: [f64; 2] = point.numbers()?;
+            marks.push(Mark { label: label.clone(), image: ImagePoint::new(x + shift, y + shift) });
+        }
+    }
+    Ok(LabelledFrame { name: image.clone(), image: Some(image), size, marks })
+}
+
+impl ClickFormat for Labelme {
+    fn holds(&self, _click: &Click, _context: &ClickContext<'_>) -> bool {
+        true
+    }
+
+    fn name_of(&self, frame: &ClickedFrame) -> String {
+        frame.image.clone()
+    }
+
+    fn write(&self, frames: &[ClickedFrame], _context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
+        let mut files = Files::default();
+        for frame in frames {
+            let stem = frame.image.rsplit_once('.').map_or(frame.image.as_str(), |(stem, _)| stem);
+            files.add(format!("{stem}.json"), format!("{:#}\n", to_json(frame)));
+        }
+        Ok(files)
+    }
+
+    fn wanted(&self) -> &'static str {
+        "labelme files (.json)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "json")
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+        sizes: &Sizes<'_>,
+    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+        let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+        files.read_all(|_, bytes| read_file(bytes, shift, sizes).map(Some))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::Format;
+    use crate::exchange::tests::{SIZE, clicked, exported, text_of};
+
+    #[test]
+    fn landmarks_and_lines_come_back_in_corner_pixels() {
+        let exported = exported(&clicked(), Format::Labelme);
+        let file: Value = serde_json::from_str(&text_of(&exported.files, "0001.json")).unwrap();
+        assert_eq!(file["shapes"][0]["points"], json!([[444.681, 789.175]]));
+        assert_eq!(exported.worst_px, 0.0);
+    }
+
+    #[test]
+    fn damaged_files_are_named_in_one_line() {
+        let good: Value =
+            serde_json::from_str(&text_of(&exported(&clicked(), Format::Labelme).files, "0001.json")).unwrap();
+        let with = |pointer: &str, value: Value| {
+            let mut all = good.clone();
+            *all.pointer_mut(pointer).unwrap() = value;
+            all.to_string()
+        };
+        for (text, size, wanted) in [
+            ("{}".to_owned(), None, "imagePath is missing"),
+            (with("/imagePath", json!("..\\a.jpg")), None, "the path \"../a.jpg\" points outside the folder"),
+            (with("/imagePath", json!(7)), None, "imagePath: a text is expected, found 7"),
+            (
+                with("/imageWidth", Value::Null),
+                None,
+                "the size of \"0001.jpg\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",
+            ),
+            (
+                with("/imageWidth", json!(1e9)),
+                None,
+                "imageWidth is 1000000000, which must be a whole number from 1 to 65535",
+            ),
+            (
+                with("/imageWidth", json!(1080)),
+                Some(SIZE),
+                "a file of 1080 × 1080 px for a picture of 1920 × 1080 cannot be read: labelme rotates pictures by their EXIF orientation; save it rotated",
+            ),
+            (with("/shapes", json!(1)), None, "shapes: a list is expected, found 1"),
+            (with("/shapes/0/label", Value::Null), None, "shapes[0].label: a text is expected, found null"),
+            (with("/shapes/0/points", json!([[1.0]])), None, "shapes[0].points[0] (numbers): 2 are expected, found 1"),
+            (
+                with("/shapes/0/points/0/0", json!("x")),
+                None,
+                "shapes[0].points[0][0]: a number is expected, found the text \"x\"",
+            ),
+        ] {
+            let files = Files::one("a.json", text.into_bytes());
+            let error = Labelme.read(&files, &ImportOptions::default(), &|_| size).unwrap_err().to_string();
+            assert_eq!(error, format!("a.json: {wanted}"));
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Foreign formats, one a file, import and export side by side.
+//!
+//! [`export()`] writes a [`Format`] in memory and reads it again before anything reaches the disk: a landmark that moves by more
+//! than the format's own resolution is an error. What a format cannot hold comes with the result, in px ([`Loss`]).
+//! [`import()`] makes a document of foreign files. Conventions of each format stand at the top of its file.
+
+mod about;
+mod authors_mat;
+mod body_angles;
+mod broadtrack;
+mod camera_format;
+mod cdf;
+mod chan;
+mod choose;
+mod clicked_frame;
+mod coco;
+mod colmap;
+mod csv_table;
+mod cvat;
+mod dataset;
+mod deepsport;
+mod error;
+mod export;
+mod export_cameras;
+mod export_clicks;
+mod exported;
+mod files;
+mod format;
+mod frame_camera;
+mod freed;
+mod gaps;
+mod ground_fit;
+mod held;
+mod homography_files;
+mod import;
+mod import_cameras;
+mod import_clicks;
+mod imported;
+mod into_document;
+mod join;
+mod label_studio;
+mod labelme;
+mod labels;
+mod loss;
+mod node;
+mod npy;
+mod opencv_yaml;
+mod opentrackio;
+mod options;
+mod picture_size;
+mod pictures;
+mod places;
+mod rate;
+mod registry;
+mod soccernet;
+mod soccernet_lines;
+mod stage;
+mod strict_json;
+mod table;
+#[cfg(test)]
+mod tests;
+mod timecode;
+mod usda;
+mod values;
+mod work_packages;
+mod yolo_pose;
+
+pub use about::About;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+pub use authors_mat::writer as mat_writer;
+pub use authors_mat::{
+    AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder, read_authors_sequence,
+};
+pub use dataset::{
+    DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame, Split, SplitBy,
+    Splitting, plan_dataset, write_dataset,
+};
+pub use error::{ExchangeError, Problem};
+pub use export::export;
+pub use exported::Exported;
+pub use files::Files;
+pub use format::Format;
+pub use import::import;
+pub use imported::Imported;
+pub use join::{Joined, JoinedPair, join};
+pub use loss::Loss;
+pub use options::{
+    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording, Zoom,
+};
+pub use rate::Rate;
+pub use timecode::Timecode;
+pub use work_packages::{restore_version, write_packages};

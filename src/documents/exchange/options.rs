@@ -1,0 +1,219 @@
+//! What an export or import may be told.
+
+use super::rate::Rate;
+use super::timecode::Timecode;
+use crate::document::{CameraId, FieldSpec, FrameStatus, Stage};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use touchline_core::geometry::ImageSize;
+
+/// Which frames an export is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameChoice {
+    /// Only frames of these statuses; empty: all that are solved (for clicks: all that have some) and not rejected.
+    pub statuses: Vec<FrameStatus>,
+    /// Only frames of these cameras; empty: all.
+    pub cameras: Vec<CameraId>,
+    /// Only frames whose solution has at least this confidence, or none stated.
+    pub min_confidence: Option<f64>,
+}
+
+impl FrameChoice {
+    /// Every frame, rejected ones too.
+    #[must_use]
+    pub fn everything() -> Self {
+        Self { statuses: FrameStatus::ALL.to_vec(), ..Self::default() }
+    }
+
+    /// What a person has clicked or accepted; suggestions that nobody has looked at stay out.
+    #[must_use]
+    pub fn reviewed() -> Self {
+        Self { statuses: vec![FrameStatus::Reference, FrameStatus::Draft], ..Self::default() }
+    }
+}
+
+/// Which frames are exported, and how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExportOptions {
+    /// Which frames.
+    pub frames: FrameChoice,
+    /// What happens where frames are missing between solved frames of a video.
+    pub gaps: Gaps,
+    /// The stage in whose axes tracks are written; none: that of their camera, if it has one, else the field's axes.
+    pub stage: Option<Stage>,
+    /// The timecode of the video's first frame; none: 00:00:00:00.
+    pub start: Option<Timecode>,
+    /// The size of picture that cameras are rescaled to: SoccerNet's evaluator wants 960 × 540.
+    pub size: Option<ImageSize>,
+    /// SoccerNet lines as the game state challenge names them, without the space behind `Goal left post left`.
+    pub game_state: bool,
+    /// Homographies of pictures whose distortion has been taken out, instead of those that come nearest in the pictures as they
+    /// are.
+    pub undistorted: bool,
+    /// The names of keypoints.
+    pub names: KeypointNames,
+    /// Keypoints outside of the picture are written too, where the format can hold them.
+    pub keep_outside: bool,
+    /// Where points come from.
+    pub points: PointSource,
+    /// Frames a second; none: from the frames' times.
+    pub rate: Option<Rate>,
+    /// The width of the sensor, mm, where the document does not know it.
+    pub sensor_width_mm: Option<f64>,
+    /// How FreeD's zoom value says the focal length.
+    pub zoom: Zoom,
+    /// What is known of the video as a recording of a match.
+    pub recording: Recording,
+}
+
+/// What a document does not know of a video and some formats want.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recording {
+    /// The match's id in the other files about it.
+    pub match_id: Option<String>,
+    /// When the video begins, UTC: `2026-03-01T18:59:30Z`.
+    pub start: Option<String>,
+    /// Which of a stadium's cameras it is: `camera_1`, `tactical_wide`, `broadcast`, ….
+    pub perspective: Option<String>,
+    /// The camera is not operated by a person.
+    pub is_automated: bool,
+}
+
+impl Recording {
+    /// The perspectives that the Common Data Format knows.
+    pub const PERSPECTIVES: [&str; 8] = [
+        "tactical_wide",
+        "camera_1",
+        "high_behind_right",
+        "high_behind_left",
+        "cable_camera",
+        "16m_right",
+        "16m_left",
+        "broadcast",
+    ];
+
+    /// Whether a text is a time in UTC such as `2026-03-01T18:59:30Z`.
+    #[must_use]
+    pub fn is_start(text: &str) -> bool {
+        text.ends_with('Z') && text.parse::<jiff::Timestamp>().is_ok()
+    }
+}
+
+/// What happens where frames are missing between solved frames of a video. They are never filled without being asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gaps {
+    /// They stay: rows are missing.
+    #[default]
+    Keep,
+    /// Up to so many missing frames in a row get cameras between those of their neighbours, marked as interpolated.
+    Interpolate(u64),
+    /// A gap begins a new take, in files of its own.
+    Takes,
+}
+
+/// How files are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportOptions {
+    /// The field of the document that is made.
+    pub field: FieldSpec,
+    /// The folder of the images; none: beside the files.
+    pub images: Option<PathBuf>,
+    /// The size of the pictures, where neither file nor image says it.
+    pub size: Option<ImageSize>,
+    /// Where pixels are counted from, where the format leaves it open; none: as the format usually has it.
+    pub pixels: Option<Pixels>,
+    /// What labels mean.
+    pub map: LabelMap,
+    /// Labels without meaning are left out.
+    pub skip_unmapped: bool,
+    /// Whose annotations are read, where a file has several.
+    pub annotator: Option<String>,
+    /// How FreeD's zoom value says the focal length.
+    pub zoom: Option<Zoom>,
+    /// The width of the sensor, mm.
+    pub sensor_width_mm: Option<f64>,
+}
+
+impl Default for ImportOptions {
+    fn default() -> Self {
+        Self {
+            field: FieldSpec::new("soccer"),
+            images: None,
+            size: None,
+            pixels: None,
+            map: LabelMap::default(),
+            skip_unmapped: false,
+            annotator: None,
+            zoom: None,
+            sensor_width_mm: None,
+        }
+    }
+}
+
+/// Where pixels are counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pixels {
+    /// (0, 0) is the top-left corner of the picture.
+    Corner,
+    /// (0, 0) is the middle of the first pixel.
+    Centre,
+}
+
+impl Pixels {
+    /// What is added to a coordinate to count it from the corner, px.
+    #[must_use]
+    pub const fn to_corner_px(self) -> f64 {
+        match self {
+            Self::Corner => 0.0,
+            Self::Centre => 0.5,
+        }
+    }
+}
+
+/// Where the points of a format of clicks come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PointSource {
+    /// Where people clicked.
+    #[default]
+    Clicked,
+    /// Where the cameras of solved frames show landmarks and lines.
+    Projected,
+}
+
+/// The names of keypoints in training data.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KeypointNames {
+    /// This program's landmarks, in its order.
+    #[default]
+    Touchline,
+    /// The 32 points of Roboflow's `SoccerPitchConfiguration`, by index.
+    Roboflow32,
+}
+
+/// How FreeD's raw zoom value says the focal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Zoom {
+    /// The focal length in px itself.
+    #[default]
+    FocalPx,
+    /// The focal length in mm × 100, by the width of the sensor.
+    FocalMmX100,
+    /// A table of raw values and focal lengths, px, both rising or one falling; linear between.
+    Table(Vec<(f64, f64)>),
+}
+
+/// What labels of other tools mean: a landmark or line of the field, or nothing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum LabelMap {
+    /// Labels are this program's names.
+    #[default]
+    Touchline,
+    /// The 32 points of Roboflow by index, from 0.
+    Roboflow32,
+    /// The 32 points of Roboflow by the captions that its pictures show, "01" to "32".
+    Roboflow32Captions,
+    /// SoccerNet's classes of lines.
+    SoccerNet,
+    /// A user's own; none for labels that mean nothing here.
+    Own(BTreeMap<String, Option<String>>),
+}

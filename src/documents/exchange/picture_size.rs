@@ -1,0 +1,127 @@
+//! Cameras of one picture size on pictures of another: rescaled where the proportions agree, else refused.
+//!
+//! Focal length, principal point and homography are in pixels of the picture that the camera was made for. Taken as they are for a picture
+//! twice as wide, they show everything half a picture away.
+
+use super::frame_camera::{FrameCamera, Shown};
+use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+
+/// What a format's picture size rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SizeSource {
+    /// The format states it.
+    Stated,
+    /// Twice the principal point, as readers of the format take it. A principal point beside the middle says nothing.
+    PrincipalPoint,
+    /// It is that of the set the format was made for.
+    Assumed,
+}
+
+/// The largest distance of a principal point from the middle of its own picture, of the picture's width.
+const OFF_CENTRE: f64 = 0.1;
+
+/// The frame as a camera of a picture of another size, and by how much it was rescaled; none where their proportions differ.
+#[must_use]
+pub fn fit_to_picture(frame: &FrameCamera, picture: ImageSize, source: SizeSource) -> Option<(FrameCamera, f64)> {
+    let Some(stated) = frame.size.filter(|size| *size != picture) else { return Some((frame.clone(), 1.0)) };
+    let is_as_it_is = match source {
+        SizeSource::Stated => false,
+        SizeSource::PrincipalPoint => has_its_centre_in(frame, picture),
+        SizeSource::Assumed => true,
+    };
+    if is_as_it_is {
+        return Some((frame.clone(), 1.0));
+    }
+    let factor = f64::from(picture.width) / f64::from(stated.width);
+    // The height may have been rounded in either picture.
+    let off_px = (f64::from(stated.height) * factor - f64::from(picture.height)).abs();
+    (off_px <= factor.max(1.0)).then(|| (rescale(frame, factor, picture), factor))
+}
+
+fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
+    let principal_point = frame.pinhole().map(|pinhole| pinhole.principal_point);
+    principal_point.is_some_and(|point| point.distance_px(picture.centre()) <= OFF_CENTRE * f64::from(picture.width))
+}
+
+fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera {
+    let shown = match frame.shown {
+        Shown::Camera(pinhole) => Shown::Camera(pinhole.scaled(factor)),
+        Shown::Ground(image_from_ground) => {
+            Shown::Ground(Mat3::from_diagonal(&Vec3::new(factor, factor, 1.0)) * image_from_ground)
+        }
+    };
+    FrameCamera { size: Some(picture), shown, ..frame.clone() }
+}
+
+/// The rescaled cameras and assumed sizes of an import, for its notes.
+#[derive(Default)]
+pub struct FittedSizes {
+    rescaled: usize,
+    /// The sizes of the first one that was.
+    first: Option<(ImageSize, ImageSize)>,
+}
+
+impl FittedSizes {
+    /// Counts a camera that was rescaled.
+    pub fn count(&mut self, stated: ImageSize, picture: ImageSize) {
+        self.rescaled += 1;
+        self.first.get_or_insert((stated, picture));
+    }
+
+    /// What is said of them.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let (stated, picture) = self.first?;
+        Some(format!(
+            "{} cameras were rescaled to the size of their pictures, the first from {} × {} to {} × {}",
+            self.rescaled, stated.width, stated.height, picture.width, picture.height
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::frame_camera::Pinhole;
+    use crate::exchange::tests::awkward;
+    use touchline_core::geometry::ImagePoint;
+
+    const FULL: ImageSize = ImageSize::new(1920, 1080);
+    const HALF: ImageSize = ImageSize::new(960, 540);
+
+    fn camera(size: ImageSize, principal_point: ImagePoint) -> FrameCamera {
+        let pointed = Pinhole::of(&awkward().pointed(&awkward().frames[0]).unwrap());
+        FrameCamera::new("a", Some(size), Shown::Camera(Pinhole { principal_point, ..pointed }))
+    }
+
+    #[test]
+    fn a_camera_of_half_the_size_is_rescaled_and_shows_the_same() {
+        let small = camera(HALF, HALF.centre());
+        let (large, factor) = fit_to_picture(&small, FULL, SizeSource::Stated).unwrap();
+        assert_eq!((factor, large.size), (2.0, Some(FULL)));
+        let point = Vec3::new(-40.0, 3.0, 0.0);
+        let (at, there) = (small.image_from_world(point).unwrap(), large.image_from_world(point).unwrap());
+        assert!(there.distance_px(ImagePoint::new(2.0 * at.x, 2.0 * at.y)) < 1e-9);
+        let ground = FrameCamera { shown: Shown::Ground(small.pinhole().unwrap().image_from_ground()), ..small };
+        let at = ground.image_from_world(point).unwrap();
+        let (large, _) = fit_to_picture(&ground, FULL, SizeSource::Stated).unwrap();
+        let there = large.image_from_world(point).unwrap();
+        assert!(there.distance_px(ImagePoint::new(2.0 * at.x, 2.0 * at.y)) < 1e-9);
+    }
+
+    #[test]
+    fn other_proportions_are_refused_and_rounded_heights_are_not() {
+        let small = camera(HALF, HALF.centre());
+        assert_eq!(fit_to_picture(&small, ImageSize::new(1280, 960), SizeSource::Stated), None);
+        let rounded = camera(ImageSize::new(854, 480), ImagePoint::new(427.0, 240.0));
+        assert!(fit_to_picture(&rounded, FULL, SizeSource::Stated).is_some());
+    }
+
+    #[test]
+    fn a_principal_point_beside_the_middle_is_no_other_size() {
+        let off = camera(ImageSize::new(1903, 1096), ImagePoint::new(951.5, 548.0));
+        assert_eq!(fit_to_picture(&off, FULL, SizeSource::PrincipalPoint).unwrap().1, 1.0);
+        let half = camera(HALF, HALF.centre());
+        assert_eq!(fit_to_picture(&half, FULL, SizeSource::PrincipalPoint).unwrap().1, 2.0);
+    }
+}

@@ -1,0 +1,23 @@
+//! Where the pictures of imported frames lie.
+
+use super::camera_format::has_ending;
+use std::path::{Path, PathBuf};
+use touchline_core::geometry::ImageSize;
+use touchline_vision::media;
+
+/// Endings that are tried where a format names a frame without its image's ending.
+const IMAGE_ENDINGS: [&str; 6] = ["jpg", "png", "jpeg", "JPG", "tif", "bmp"];
+
+/// The file of a named image within a folder, and its size where it is there.
+#[must_use]
+pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
+    let candidates: Vec<PathBuf> = if IMAGE_ENDINGS.iter().any(|ending| has_ending(named, ending)) {
+        vec![PathBuf::from(named)]
+    } else {
+        IMAGE_ENDINGS.iter().map(|ending| PathBuf::from(format!("{named}.{ending}"))).collect()
+    };
+    let found = candidates.iter().find(|file| images.join(file).is_file());
+    let size = found.and_then(|file| media::image_size(&images.join(file)).ok());
+    let first = candidates.first().cloned().unwrap_or_default();
+    (found.cloned().unwrap_or(first), size)
+}

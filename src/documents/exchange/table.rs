@@ -1,0 +1,262 @@
+//! Tables as text: rows of fields between commas (RFC 4180).
+
+use super::error::Problem;
+use super::files::text;
+use super::values::{clipped, frame_number};
+use std::fmt::Write as _;
+use std::ops::Range;
+use touchline_core::geometry::is_formula;
+
+/// The most columns of a table.
+const MAX_COLUMNS: usize = 1000;
+
+/// A table that was read: columns by name.
+pub struct Table {
+    header: Vec<String>,
+    fields: Fields,
+}
+
+/// Rows of fields one behind the other in one text: each field on its own would take several times as much memory.
+#[derive(Default)]
+struct Fields {
+    text: String,
+    /// Where in the text each field ends.
+    ends: Vec<usize>,
+    /// How many fields there are up to the end of each row.
+    row_ends: Vec<usize>,
+}
+
+impl Fields {
+    /// How many rows there are.
+    const fn rows(&self) -> usize {
+        self.row_ends.len()
+    }
+
+    /// The numbers of the fields of a row, or of the one that is being read.
+    fn row(&self, index: usize) -> Range<usize> {
+        let first = index.checked_sub(1).map_or(0, |before| self.row_ends[before]);
+        first..self.row_ends.get(index).copied().unwrap_or(self.ends.len())
+    }
+
+    /// A field by its number.
+    fn field(&self, number: usize) -> &str {
+        let start = number.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.text[start..self.ends[number]]
+    }
+
+    fn end_field(&mut self) {
+        self.ends.push(self.text.len());
+    }
+
+    /// Ends a row; an empty line is none.
+    fn end_row(&mut self) {
+        let row = self.row(self.rows());
+        if row.len() == 1 && self.field(row.start).is_empty() {
+            self.ends.pop();
+        } else {
+            self.row_ends.push(self.ends.len());
+        }
+    }
+}
+
+/// A row and its line.
+#[derive(Clone, Copy)]
+pub struct Row<'a> {
+    table: &'a Table,
+    /// The header is row 0.
+    index: usize,
+}
+
+impl Table {
+    /// Reads a table with a header.
+    ///
+    /// # Errors
+    /// It is no text, has an open quote, or a row has more or fewer fields than the header.
+    pub fn read(bytes: &[u8]) -> Result<Self, Problem> {
+        let fields = split(text(bytes)?)?;
+        if fields.rows() == 0 {
+            return Err(Problem::Empty);
+        }
+        let header: Vec<String> = fields.row(0).map(|number| fields.field(number).to_owned()).collect();
+        for (index, name) in header.iter().enumerate() {
+            if header[..index].contains(name) {
+                return Err(Problem::Twice { what: "the column", name: clipped(name) });
+            }
+        }
+        for index in 1..fields.rows() {
+            let found = fields.row(index).len();
+            if found != header.len() {
+                let problem = Problem::Count { what: "fields".to_owned(), wanted: header.len(), found };
+                return Err(problem.at_line(index + 1));
+            }
+        }
+        Ok(Self { header, fields })
+    }
+
+    /// The rows in order.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        (1..self.fields.rows()).map(|index| Row { table: self, index })
+    }
+
+    /// Refuses a table without one of some columns.
+    ///
+    /// # Errors
+    /// One is missing; it is named.
+    pub fn needs(&self, columns: &[&str]) -> Result<(), Problem> {
+        let is_there = |column: &&&str| self.header.iter().any(|name| name == **column);
+        let missing = columns.iter().find(|column| !is_there(column));
+        missing.map_or(Ok(()), |column| Err(Problem::Missing(format!("the column {column}"))))
+    }
+}
+
+impl Row<'_> {
+    /// The line of the row in the file, where no field holds a line break.
+    #[must_use]
+    pub const fn line(&self) -> usize {
+        self.index + 1
+    }
+
+    /// A field; none where it is empty or the column is missing.
+    #[must_use]
+    pub fn text(&self, column: &str) -> Option<&str> {
+        let at = self.table.header.iter().position(|name| name == column)?;
+        let fields = &self.table.fields;
+        let field = Some(fields.field(fields.row(self.index).nth(at)?)).filter(|field| !field.is_empty())?;
+        Some(field.strip_prefix('\'').filter(|rest| is_formula(rest)).unwrap_or(field))
+    }
+
+    /// A finite number that may be absent.
+    ///
+    /// # Errors
+    /// The field is none.
+    pub fn find(&self, column: &str) -> Result<Option<f64>, Problem> {
+        self.text(column).map(|field| number(column, field).map_err(|problem| problem.at_line(self.line()))).transpose()
+    }
+
+    /// The number of the frame, in the column `frame_index`, that may be absent.
+    ///
+    /// # Errors
+    /// The field is none.
+    pub fn frame_index(&self) -> Result<Option<u64>, Problem> {
+        const COLUMN: &str = "frame_index";
+        let number = self.find(COLUMN)?.map(|value| frame_number(COLUMN, value));
+        number.transpose().map_err(|problem| problem.at_line(self.line()))
+    }
+
+    /// A finite number.
+    ///
+    /// # Errors
+    /// The field is empty or none.
+    pub fn number(&self, column: &str) -> Result<f64, Problem> {
+        let missing = || Problem::Missing(format!("a value for {column}")).at_line(self.line());
+        self.find(column)?.ok_or_else(missing)
+    }
+}
+
+/// A finite number of a text.
+///
+/// # Errors
+/// It is none.
+pub fn number(what: &str, field: &str) -> Result<f64, Problem> {
+    let parsed: Result<f64, _> = field.trim().parse();
+    let wrong = |_| Problem::Kind { what: what.to_owned(), wanted: "a number", found: format!("{:?}", clipped(field)) };
+    let value = parsed.map_err(wrong)?;
+    if value.is_finite() { Ok(value) } else { Err(Problem::NotFinite(what.to_owned())) }
+}
+
+/// The numbers of a line between blanks.
+///
+/// # Errors
+/// One of them is none.
+pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
+    line.split_whitespace().map(|field| number(what, field)).collect()
+}
+
+/// The fields of a text, without empty lines.
+fn split(text: &str) -> Result<Fields, Problem> {
+    let mut fields = Fields::default();
+    let mut quoted = false;
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '"' if quoted && letters.peek() == Some(&'"') => {
+                letters.next();
+                fields.text.push('"');
+            }
+            '"' => quoted = !quoted,
+            ',' if !quoted => {
+                fields.end_field();
+                if fields.row(fields.rows()).len() >= MAX_COLUMNS {
+                    let found = format!("line {} has more than {MAX_COLUMNS} columns", fields.rows() + 1);
+                    return Err(Problem::NotFormat { wanted: "a table", found });
+                }
+            }
+            '\r' if !quoted && letters.peek() == Some(&'\n') => {}
+            '\n' if !quoted => {
+                fields.end_field();
+                fields.end_row();
+            }
+            other => fields.text.push(other),
+        }
+    }
+    if quoted {
+        return Err(Problem::NotFormat { wanted: "a table", found: "a quote is never closed".to_owned() });
+    }
+    fields.end_field();
+    fields.end_row();
+    Ok(fields)
+}
+
+/// Writes a row; fields with commas, quotes or line breaks are quoted.
+pub fn push_row(fields: &[String], into: &mut String) {
+    for (index, field) in fields.iter().enumerate() {
+        let comma = if index > 0 { "," } else { "" };
+        // Writing to a string cannot fail.
+        let _ = if field.contains([',', '"', '\n', '\r']) {
+            write!(into, "{comma}\"{}\"", field.replace('"', "\"\""))
+        } else {
+            write!(into, "{comma}{field}")
+        };
+    }
+    into.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::text_cell;
+
+    #[test]
+    fn fields_with_commas_and_quotes_come_back() {
+        let fields = ["a,b", "say \"so\"", "", "1.5"].map(ToOwned::to_owned);
+        let mut text = "w,x,y,z\n".to_owned();
+        push_row(&fields, &mut text);
+        let table = Table::read(text.as_bytes()).unwrap();
+        let row = table.rows().next().unwrap();
+        assert_eq!(row.text("w"), Some("a,b"));
+        assert_eq!(row.text("x"), Some("say \"so\""));
+        assert_eq!(row.text("y"), None);
+        assert_eq!(row.number("z"), Ok(1.5));
+        assert_eq!(row.number("y").unwrap_err().to_string(), "line 2: a value for y is missing");
+    }
+
+    #[test]
+    fn words_are_no_formulas_and_come_back() {
+        assert_eq!(text_cell("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
+        for words in ["=1+1", "+1", "-a.jpg", "@a", "'=1", "''=1", "'a", "a=1", "\t=1"] {
+            let mut table = "w,x\n".to_owned();
+            push_row(&[text_cell(words), "1".to_owned()], &mut table);
+            let table = Table::read(table.as_bytes()).unwrap();
+            assert_eq!(table.rows().next().unwrap().text("w"), Some(words));
+        }
+    }
+
+    #[test]
+    fn damaged_tables_are_named() {
+        let said = |text: &str| Table::read(text.as_bytes()).map(drop).unwrap_err().to_string();
+        assert_eq!(said("a,b\n1\n"), "line 2: fields: 2 are expected, found 1");
+        assert_eq!(said("a,a\n1,2\n"), "the column \"a\" occurs twice");
+        assert_eq!(said("a,b\n\"1,2\n"), "not a table: a quote is never closed");
+        assert_eq!(said(" \n"), "the file is empty");
+    }
+}

@@ -1,0 +1,294 @@
+//! A USD stage as text: an animated camera, y up, in centimetres.
+//!
+//! Row-vector matrices: translation in the last row, the first three rows the camera's right, up and back axes in the stage.
+//! Focal length and apertures are tenths of a stage unit, so with centimetres they are mm and careful and careless readers agree.
+//! Time codes are frame numbers; a gap in them begins another camera, so nothing is interpolated over it. The lens is not held: its
+//! coefficients stand in `customLayerData`.
+//! Source: `OpenUSD`, `UsdGeomCamera`.
+
+use super::camera_format::{CameraFormat, WriteContext, has_ending};
+use super::chan::{looking_back, y_up};
+use super::error::{ExchangeError, Problem};
+use super::files::{Files, text};
+use super::frame_camera::{FrameCamera, Pinhole, Shown};
+use super::held::{parts, with};
+use super::options::ImportOptions;
+use super::table::{number, numbers};
+use super::values::{frame_number, side_px};
+use std::fmt::Write as _;
+use touchline_core::camera::Radial;
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+
+/// The format.
+pub struct Usda;
+
+/// The aperture of a sensor that nobody knows, mm.
+const NOMINAL_MM: f64 = 36.0;
+/// Centimetres a metre.
+const CM: f64 = 100.0;
+/// How far a landmark may move through 32-bit focal lengths, px.
+const RESOLUTION_PX: f64 = 1e-3;
+
+/// A camera of the stage: its frames follow each other without a gap.
+struct Take<'a> {
+    name: String,
+    camera: &'a str,
+    size: ImageSize,
+    samples: Vec<(u64, &'a Pinhole)>,
+}
+
+/// A name that USD accepts: letters, digits and underscores, not beginning with a digit.
+fn prim_name(camera: &str) -> String {
+    let kept = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+    let name: String = camera.chars().map(kept).collect();
+    if name.is_empty() || name.starts_with(|first: char| first.is_ascii_digit()) {
+        format!("camera_{name}")
+    } else {
+        name
+    }
+}
+
+fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
+    let mut takes: Vec<Take<'_>> = Vec::new();
+    for (index, frame) in held.iter().enumerate() {
+        let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else { continue };
+        let time = frame.frame_index.unwrap_or(index as u64);
+        let camera = frame.camera.as_deref().unwrap_or_default();
+        let name = prim_name(camera);
+        let goes_on = |take: &Take<'_>| {
+            let follows = take.samples.last().is_some_and(|(last, _)| last + 1 == time);
+            let same = take.samples.last().is_some_and(|(_, last)| last.principal_point == pinhole.principal_point);
+            follows && same && take.size == size && take.camera == camera
+        };
+        if let Some(take) = takes.last_mut().filter(|take| goes_on(take)) {
+            take.samples.push((time, pinhole));
+            continue;
+        }
+        let taken = |candidate: &String| takes.iter().any(|take| take.name == *candidate);
+        let numbered = (1..).map(|number| if number == 1 { name.clone() } else { format!("{name}_take{number}") });
+        let name = numbered.into_iter().find(|candidate| !taken(candidate)).unwrap_or(name);
+        takes.push(Take { name, camera, size, samples: vec![(time, pinhole)] });
+    }
+    takes
+}
+
+fn matrix_text(pinhole: &Pinhole) -> String {
+    let axes: Mat3 = y_up() * pinhole.cam_from_world.transpose() * looking_back();
+    let at = y_up() * pinhole.position_m * CM;
+    let row = |column: usize| format!("({}, {}, {}, 0)", axes[(0, column)], axes[(1, column)], axes[(2, column)]);
+    format!("( {}, {}, {}, ({}, {}, {}, 1) )", row(0), row(1), row(2), at.x, at.y, at.z)
+}
+
+fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
+    let (width, height) = (f64::from(take.size.width), f64::from(take.size.height));
+    let per_px = aperture_mm / width;
+    let offset = take.samples.first().map_or([0.0; 2], |(_, first)| {
+        [(width / 2.0 - first.principal_point.x) * per_px, (first.principal_point.y - height / 2.0) * per_px]
+    });
+    let samples = |of: &dyn Fn(&Pinhole) -> String| {
+        let samples: Vec<String> =
+            take.samples.iter().map(|(time, pinhole)| format!("{time}: {}", of(pinhole))).collect();
+        samples.join(", ")
+    };
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "    def Camera \"{}\"\n    {{\n        custom string touchline:camera = {}\n        token projection = \"perspective\"\n        float2 clippingRange = (10, 100000)\n        \
+         float horizontalAperture = {aperture_mm}\n        float verticalAperture = {}\n        \
+         float horizontalApertureOffset = {}\n        float verticalApertureOffset = {}\n        \
+         float focalLength.timeSamples = {{ {} }}\n        matrix4d xformOp:transform.timeSamples = {{ {} }}\n        \
+         uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n",
+        take.name,
+        serde_json::Value::from(take.camera),
+        height * per_px,
+        offset[0],
+        offset[1],
+        samples(&|pinhole| (pinhole.focal_px * per_px).to_string()),
+        samples(&matrix_text),
+    );
+}
+
+/// What stands between two texts.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> Result<&'a str, Problem> {
+    let rest = text.split_once(from).ok_or_else(|| Problem::Missing(from.trim().to_owned()))?.1;
+    Ok(rest.split_once(to).map_or(rest, |(found, _)| found))
+}
+
+/// A number with as many digits as a reader keeps: attributes are 32-bit floats.
+#[expect(clippy::cast_possible_truncation, reason = "that is what readers do")]
+fn single(what: &str, text: &str) -> Result<f64, Problem> {
+    Ok(f64::from(number(what, text)? as f32))
+}
+
+/// The frames of a camera that [`push_take`] wrote. Stages of other programs are built otherwise.
+fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
+    let name = prim.split('"').next().unwrap_or_default();
+    let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)
+        .map_err(|error| Problem::NotFormat { wanted: "a name of a camera", found: error.to_string() })?;
+    let sides =
+        numbers("the size", &between(stage, &format!("int2 {name}_image_size_px = ("), ")")?.replace(',', " "))?;
+    let [width, height]: [f64; 2] = sides.try_into().map_err(|sides: Vec<f64>| {
+        let (what, found) = ("sides of the picture".to_owned(), sides.len());
+        Problem::Count { what, wanted: 2, found }
+    })?;
+    let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
+    let lens = |what: &str| single(what, between(prim, &format!("float {what} = "), "\n")?);
+    let per_px = lens("horizontalAperture")? / width;
+    let principal_point = ImagePoint::new(
+        width / 2.0 - lens("horizontalApertureOffset")? / per_px,
+        height / 2.0 + lens("verticalApertureOffset")? / per_px,
+    );
+    let lengths = between(prim, "focalLength.timeSamples = { ", " }")?.split(',');
+    let poses = between(prim, "transform.timeSamples = { ", " }")?.replace(['(', ')'], " ");
+    let poses: Vec<&str> = poses.split(',').collect();
+    let frame = |(length, pose): (&str, &[&str])| {
+        let (time, length) = length.split_once(':').unwrap_or_default();
+        let time = frame_number("the time", number("the time", time.trim())?)?;
+        let entry = |index: usize| -> Result<f64, Problem> {
+            let text = pose.get(index).copied().unwrap_or_default();
+            number("the pose", text.rsplit(':').next().unwrap_or_default().trim())
+        };
+        let m: Vec<f64> = (0..16).map(entry).collect::<Result<_, _>>()?;
+        let axes = Mat3::from_fn(|row, column| m[4 * column + row]);
+        let pinhole = Pinhole {
+            cam_from_world: (y_up().transpose() * axes * looking_back().transpose()).transpose(),
+            position_m: y_up().transpose() * Vec3::new(m[12], m[13], m[14]) / CM,
+            focal_px: single("focalLength", length.trim())? / per_px,
+            principal_point,
+            lens: Radial::default(),
+        };
+        let name = format!("{camera}@{time}");
+        Ok(FrameCamera { frame_index: Some(time), ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole)) })
+    };
+    lengths.zip(poses.chunks(16)).map(frame).collect()
+}
+
+impl CameraFormat for Usda {
+    fn resolution_px(&self, _held: &FrameCamera) -> f64 {
+        RESOLUTION_PX
+    }
+
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+        let (pinhole, _) = parts(frame)?;
+        let camera = frame.camera.as_deref().unwrap_or_default();
+        let time = frame.frame_index.unwrap_or(index as u64);
+        Ok(with(frame, format!("{camera}@{time}"), Pinhole { lens: Radial::default(), ..pinhole }))
+    }
+
+    fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        let mut notes = vec!["USD keeps focal lengths as 32-bit floats: readers are within about 1e-3 px".to_owned()];
+        if context.rate.is_none() {
+            notes.push("the frame rate is not known; time codes are frame numbers without one (--fps)".to_owned());
+        }
+        if context.options.sensor_width_mm.is_none() {
+            notes.push(format!(
+                "the sensor's width is not known; lengths in mm are for a nominal {NOMINAL_MM} mm (--sensor-mm)"
+            ));
+        }
+        notes
+    }
+
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+        let takes = takes(held);
+        let times = || takes.iter().flat_map(|take| take.samples.iter().map(|(time, _)| *time));
+        let (first, last) = (times().min().unwrap_or(0), times().max().unwrap_or(0));
+        let rate = context.rate.map(|rate| {
+            let rate = rate.per_second();
+            format!("    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}\n")
+        });
+        let sizes: Vec<String> = takes
+            .iter()
+            .map(|take| {
+                format!("        int2 {}_image_size_px = ({}, {})\n", take.name, take.size.width, take.size.height)
+            })
+            .collect();
+        let mut text = format!(
+            "#usda 1.0\n(\n    customLayerData = {{\n        string generator = \"{}\"\n        string world = \"origin at the \
+             field's centre; stage x, y, z = field x, z, -y\"\n{}    }}\n    defaultPrim = \"Match\"\n    \
+             metersPerUnit = 0.01\n    upAxis = \"Y\"\n    startTimeCode = {first}\n    endTimeCode = {last}\n{})\ndef Xform \
+             \"Match\"\n{{\n",
+            crate::document::generator(),
+            sizes.concat(),
+            rate.unwrap_or_default(),
+        );
+        let aperture_mm = context.options.sensor_width_mm.unwrap_or(NOMINAL_MM);
+        for take in &takes {
+            push_take(take, aperture_mm, &mut text);
+        }
+        text.push_str("}\n");
+        Ok(Files::one("camera.usda", text.into_bytes()))
+    }
+
+    fn wanted(&self) -> &'static str {
+        "stage (.usda)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "usda")
+    }
+
+    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+        files.read_all(|_, bytes| {
+            let stage = text(bytes)?;
+            let takes = stage.split("    def Camera \"").skip(1).map(|prim| read_take(prim, stage));
+            Ok(takes.collect::<Result<Vec<_>, _>>()?.concat())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::Format;
+    use crate::exchange::tests::{awkward, exported, reference, text_of};
+
+    #[test]
+    fn the_reference_camera_has_the_published_numbers() {
+        let exported = exported(&reference(), Format::Usda);
+        let text = text_of(&exported.files, "camera.usda");
+        for line in [
+            "float focalLength.timeSamples = { 412: 45.1875 }",
+            "float verticalAperture = 20.25",
+            "timeCodesPerSecond = 25",
+            "(0, 1800, 6000, 1) )",
+            "def Camera \"main\"",
+        ] {
+            assert!(text.contains(line), "{line} in {text}");
+        }
+        assert_eq!(exported.loss.unwrap().what, ["lens distortion"]);
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_as_32_bit_floats() {
+        let exported = exported(&awkward(), Format::Usda);
+        assert!(exported.worst_px > 0.0 && exported.worst_px < 5e-4, "{}", exported.worst_px);
+    }
+
+    #[test]
+    fn cameras_whose_names_begin_alike_are_two() {
+        let mut document = awkward();
+        let mut other = (*document.cameras[0]).clone();
+        other.id = "main2".into();
+        document.cameras.push(other.into());
+        document.frames[0].camera = "main2".into();
+        let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
+        assert!(text.contains("def Camera \"main2\"") && text.contains("def Camera \"main\""), "{text}");
+    }
+
+    #[test]
+    fn a_gap_begins_another_camera() {
+        let mut document = awkward();
+        for (index, frame) in document.frames.iter_mut().enumerate() {
+            frame.video.as_mut().unwrap().frame_index = if index < 5 { 100 } else { 200 } + index as u64;
+        }
+        let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
+        assert_eq!(text.matches("def Camera").count(), 2, "{text}");
+        assert!(text.contains("def Camera \"main_take2\""), "{text}");
+        assert!(text.contains("startTimeCode = 100\n    endTimeCode = 211\n"), "{text}");
+    }
+
+    #[test]
+    fn names_are_what_usd_accepts() {
+        assert_eq!([prim_name("main 2"), prim_name("2"), prim_name("")], ["main_2", "camera_2", "camera_"]);
+    }
+}

@@ -1,0 +1,225 @@
+//! Keypoints for Ultralytics' pose models: `data.yaml`, and `labels/…/NAME.txt` for `images/…/NAME.jpg`.
+//!
+//! A line is `class cx cy w h (x y v)*`, all over the picture's width or height, counted from its corner: no half pixel. A point
+//! that is not there is `0 0 0`; a coordinate outside of 0 … 1 drops the whole picture, so points outside are left out. `flip_idx`
+//! says which points change places when a picture is mirrored.
+
+use super::camera_format::has_ending;
+use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
+use super::coco::{in_order, is_keypoint};
+use super::error::{ExchangeError, Problem};
+use super::files::{Files, text};
+use super::format::Format;
+use super::labels::keypoints;
+use super::options::ImportOptions;
+use super::table::numbers;
+use crate::document::Click;
+use std::fmt::Write as _;
+use touchline_core::field::{FieldModel, Symmetry};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+
+/// The format.
+pub struct YoloPose;
+
+const DATA: &str = "data.yaml";
+/// The box around the points is wider by this share of the picture on each side.
+const PADDING: f64 = 0.01;
+
+/// Where each keypoint comes to lie in a mirrored picture.
+fn flipped(names: &[String], field: &FieldModel) -> Vec<usize> {
+    let twin = |name: &String| {
+        let there = field.landmark_element(name)?.twin(Symmetry::MirrorX, field)?.name(field)?.to_owned();
+        names.iter().position(|other| *other == there)
+    };
+    names.iter().enumerate().map(|(index, name)| twin(name).unwrap_or(index)).collect()
+}
+
+fn data_yaml(names: &[String], field: &FieldModel) -> String {
+    let flipped: Vec<String> = flipped(names, field).iter().map(ToString::to_string).collect();
+    format!(
+        "# {}; split the labels into train and val, and put the pictures into images/ with the same folders\npath: .\n\
+         train: images/train\nval: images/train\nkpt_shape: [{}, 3]\nflip_idx: [{}]\nnames: {{0: pitch}}\n\
+         kpt_names: {{0: [{}]}}\n",
+        crate::document::generator(),
+        names.len(),
+        flipped.join(", "),
+        names.join(", ")
+    )
+}
+
+fn label_line(frame: &ClickedFrame, names: &[String]) -> String {
+    if frame.clicks.is_empty() {
+        return String::new();
+    }
+    let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
+    let points: Vec<Option<(f64, f64)>> = in_order(&frame.clicks, names)
+        .into_iter()
+        .map(|click| click.map(|click| (click.image.x / width, click.image.y / height)))
+        .collect();
+    let range = |of: fn(&(f64, f64)) -> f64| {
+        let range = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = points.iter().flatten().map(of).fold(range, |(low, high), at| (low.min(at), high.max(at)));
+        ((low - PADDING).max(0.0), (high + PADDING).min(1.0))
+    };
+    let ((left, right), (top, bottom)) = (range(|point| point.0), range(|point| point.1));
+    let mut line = format!("0 {} {} {} {}", left.midpoint(right), top.midpoint(bottom), right - left, bottom - top);
+    for point in points {
+        // Writing to a string cannot fail.
+        let _ = match point {
+            Some((x, y)) => write!(line, " {x} {y} 2"),
+            None => write!(line, " 0 0 0"),
+        };
+    }
+    line.push('\n');
+    line
+}
+
+/// The names of keypoints in a `data.yaml`, where it has some.
+fn names_of(yaml: &str) -> Option<Vec<String>> {
+    let (_, behind) = yaml.split_once("kpt_names:")?;
+    let (_, list) = behind.split_once('[')?;
+    let (list, _) = list.split_once(']')?;
+    let clean = |name: &str| name.trim().trim_matches(['"', '\'']).to_owned();
+    Some(list.split(',').map(clean).filter(|name| !name.is_empty()).collect())
+}
+
+fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
+    let values = numbers("a column", line)?;
+    let count = values.len().saturating_sub(5) / 3;
+    let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
+    if values.len() != wanted || values.len() < 5 {
+        let what = "columns (class, box, and x y v for each keypoint)".to_owned();
+        return Err(Problem::Count { what, wanted: wanted.max(8), found: values.len() });
+    }
+    let points = values[5..].chunks_exact(3).enumerate().filter(|(_, point)| point[2] != 0.0);
+    points
+        .map(|(index, point)| {
+            if ![1.0, 2.0].contains(&point[2]) {
+                let what = format!("the visibility of keypoint {index}");
+                return Err(Problem::OutOfRange { what, value: point[2], wanted: "0, 1 or 2" });
+            }
+            if let Some(value) = point[..2].iter().find(|value| !(-0.01..=1.01).contains(*value)) {
+                let what = format!("keypoint {index}");
+                return Err(Problem::OutOfRange { what, value: *value, wanted: "between 0 and 1" });
+            }
+            let label = names.map_or_else(|| index.to_string(), |names| names[index].clone());
+            let image = ImagePoint::new(point[0] * f64::from(size.width), point[1] * f64::from(size.height));
+            Ok(Mark { label, image })
+        })
+        .collect()
+}
+
+impl ClickFormat for YoloPose {
+    fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool {
+        // Whatever is asked, a point outside would drop the whole picture.
+        is_keypoint(click, context)
+    }
+
+    fn name_of(&self, frame: &ClickedFrame) -> String {
+        frame.image.rsplit_once('.').map_or(frame.image.as_str(), |(stem, _)| stem).to_owned()
+    }
+
+    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
+        let names = keypoints(context.options.names, context.field);
+        let mut files = Files::one(DATA, data_yaml(&names, context.field).into_bytes());
+        for frame in frames {
+            if let Some(outside) = frame.clicks.iter().find(|click| !frame.size.contains(click.image)) {
+                let why =
+                    format!("({}, {}) lies outside of it, which Ultralytics drops", outside.image.x, outside.image.y);
+                return Err(ExchangeError::CannotHold { frame: frame.image.clone(), format: Format::YoloPose, why });
+            }
+            files.add(format!("labels/train/{}.txt", frame.name), label_line(frame, &names));
+        }
+        Ok(files)
+    }
+
+    fn wanted(&self) -> &'static str {
+        "labels (labels/….txt)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        name == DATA
+            || (has_ending(name, "txt") && name.contains("labels/"))
+            || !name.contains('/') && has_ending(name, "txt")
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+        sizes: &Sizes<'_>,
+    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+        let yaml = files.get(DATA).map(text).transpose().map_err(|problem| problem.within(DATA))?;
+        let names = yaml.and_then(names_of);
+        files.read_all(|file, bytes| {
+            if !has_ending(file, "txt") {
+                return Ok(None);
+            }
+            let stem = file.rsplit('/').next().and_then(|name| name.rsplit_once('.')).map_or(file, |(stem, _)| stem);
+            let at_image = file.rsplit_once('.').map_or(file, |(path, _)| path).replacen("labels/", "images/", 1);
+            let size = sizes(&at_image).or_else(|| sizes(stem)).or(options.size);
+            let size = size.ok_or_else(|| size_needed(&at_image))?;
+            // A picture without labels has an empty file.
+            let lines = if bytes.is_empty() { "" } else { text(bytes)? };
+            let mut marks = Vec::new();
+            for (index, line) in lines.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+                let of_line = marks_of(line, names.as_deref(), size);
+                marks.extend(of_line.map_err(|problem| problem.at_line(index + 1))?);
+            }
+            Ok(Some(LabelledFrame { name: stem.to_owned(), image: Some(at_image), size, marks }))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::tests::{SIZE, clicked, exported, text_of};
+    use crate::exchange::{ExportOptions, KeypointNames, export};
+    use std::path::Path;
+
+    #[test]
+    fn points_are_shares_of_the_picture_from_its_corner() {
+        let exported = exported(&clicked(), Format::YoloPose);
+        let line = text_of(&exported.files, "labels/train/0001.txt");
+        let values = numbers("the label", &line).unwrap();
+        assert_eq!(&values[5..8], [444.681 / 1920.0, 789.175 / 1080.0, 2.0]);
+        assert_eq!(values.len(), 5 + 3 * 47);
+        assert_eq!(exported.notes.len(), 2, "{:?}", exported.notes);
+    }
+
+    #[test]
+    fn the_published_order_of_mirrored_points_follows_from_the_names() {
+        let options = ExportOptions { names: KeypointNames::Roboflow32, ..ExportOptions::default() };
+        let exported = export(clicked().at(Path::new("/")), Format::YoloPose, &options).unwrap();
+        let yaml = text_of(&exported.files, DATA);
+        let published = "flip_idx: [24, 25, 26, 27, 28, 29, 22, 23, 21, 17, 18, 19, 20, 13, 14, 15, 16, 9, 10, 11, 12, 8, 6, 7, 0, \
+                         1, 2, 3, 4, 5, 31, 30]";
+        assert!(yaml.contains(published), "{yaml}");
+    }
+
+    #[test]
+    fn damaged_labels_are_named_in_one_line() {
+        let with_names = Some(vec!["a".to_owned(), "b".to_owned()]);
+        for (line, names, wanted) in [
+            ("0 0.5 0.5 1", None, "columns (class, box, and x y v for each keypoint): 8 are expected, found 4"),
+            ("0 0.5 0.5 1 1 0.2", None, "columns (class, box, and x y v for each keypoint): 8 are expected, found 6"),
+            (
+                "0 0.5 0.5 1 1 0.2 0.3 2",
+                with_names,
+                "columns (class, box, and x y v for each keypoint): 11 are expected, found 8",
+            ),
+            ("0 0.5 0.5 1 1 1.2 0.3 2", None, "keypoint 0 is 1.2, which must be between 0 and 1"),
+            ("0 0.5 0.5 1 1 x 0.3 2", None, "a column: a number is expected, found \"x\""),
+            ("0 0.5 0.5 1 1 nan 0.3 2", None, "a column is not a finite number"),
+        ] {
+            assert_eq!(marks_of(line, names.as_deref(), SIZE).unwrap_err().to_string(), wanted);
+        }
+        let files = Files::one("labels/a.txt", b"0 0.5 0.5 1 1 0.2 0.3 2\n".to_vec());
+        let error = YoloPose.read(&files, &ImportOptions::default(), &|_| None).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "labels/a.txt: the size of \"images/a\" is not known; give --size WIDTHxHEIGHT or --images FOLDER"
+        );
+    }
+}

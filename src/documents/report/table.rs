@@ -1,0 +1,275 @@
+//! One table: as aligned text, Markdown, CSV and JSON.
+
+use serde_json::{Map, Value};
+use std::fmt::{self, Write as _};
+use touchline_core::geometry::text_cell;
+
+/// A table with named columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// The columns, from the left.
+    pub columns: Vec<Column>,
+    /// The rows; as many cells as there are columns.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A column.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its key in CSV and JSON, the unit in it: `rotation_deg`.
+    pub key: String,
+    /// Its heading for people, with the unit.
+    pub label: String,
+}
+
+impl Column {
+    /// A column by its key and its heading.
+    #[must_use]
+    pub fn new(key: &str, label: &str) -> Self {
+        Self { key: key.to_owned(), label: label.to_owned() }
+    }
+}
+
+/// What stands in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing was measured.
+    Empty,
+    /// Words.
+    Text(String),
+    /// A count.
+    Count(usize),
+    /// A number: people see four digits of it, files all.
+    Number(f64),
+    /// A number of which people see these decimals, and files all digits.
+    Fixed(f64, usize),
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(count: usize) -> Self {
+        Self::Count(count)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl<T: Into<Self>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Empty, Into::into)
+    }
+}
+
+/// For people: four significant digits.
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("–"),
+            Self::Text(text) => f.write_str(text),
+            Self::Count(count) => count.fmt(f),
+            Self::Fixed(number, decimals) if number.is_finite() => write!(f, "{number:.decimals$}"),
+            Self::Number(number) | Self::Fixed(number, _) => f.write_str(&significant(*number)),
+        }
+    }
+}
+
+impl Cell {
+    /// For CSV: the shortest that reads back to the last digit; words that no spreadsheet calculates.
+    fn exact(&self) -> String {
+        match self {
+            Self::Empty => String::new(),
+            Self::Text(text) => text_cell(text),
+            Self::Count(count) => count.to_string(),
+            Self::Number(number) | Self::Fixed(number, _) => number.to_string(),
+        }
+    }
+
+    fn value(&self) -> Value {
+        match self {
+            Self::Empty => Value::Null,
+            Self::Text(text) => Value::from(text.as_str()),
+            Self::Count(count) => Value::from(*count),
+            // JSON has no infinity: what was not found is null.
+            Self::Number(number) | Self::Fixed(number, _) => Value::from(*number),
+        }
+    }
+
+    const fn is_number(&self) -> bool {
+        matches!(self, Self::Count(_) | Self::Number(_) | Self::Fixed(..))
+    }
+}
+
+/// A number with four significant digits, without an exponent between a millionth and a million.
+#[must_use]
+pub fn significant(number: f64) -> String {
+    if !number.is_finite() {
+        return if number.is_nan() { "–".to_owned() } else { "∞".to_owned() };
+    }
+    let magnitude = number.abs();
+    if magnitude == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-6..1e6).contains(&magnitude) {
+        return format!("{number:.3e}");
+    }
+    let digits = (3.0 - magnitude.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{number:.digits$}")
+}
+
+impl Table {
+    /// An empty table with these columns.
+    #[must_use]
+    pub fn new(columns: &[(&str, &str)]) -> Self {
+        Self { columns: columns.iter().map(|(key, label)| Column::new(key, label)).collect(), rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, row: Vec<Cell>) {
+        debug_assert_eq!(row.len(), self.columns.len(), "a cell for each column");
+        self.rows.push(row);
+    }
+
+    /// The same with one more column on the right; a cell for each row.
+    #[must_use]
+    pub fn with_column(mut self, key: &str, label: &str, cells: impl IntoIterator<Item = Cell>) -> Self {
+        self.columns.push(Column::new(key, label));
+        let mut cells = cells.into_iter();
+        for row in &mut self.rows {
+            row.push(cells.next().unwrap_or(Cell::Empty));
+        }
+        self
+    }
+
+    /// Aligned columns for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let cells: Vec<Vec<String>> =
+            self.rows.iter().map(|row| row.iter().map(ToString::to_string).collect()).collect();
+        let width = |column: usize| {
+            let longest = cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+            longest.max(self.columns[column].label.chars().count())
+        };
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+        let line = |texts: &[String]| {
+            let padded = texts.iter().enumerate().map(|(column, text)| {
+                let fill = " ".repeat(widths[column].saturating_sub(text.chars().count()));
+                if self.is_right(column) { format!("{fill}{text}") } else { format!("{text}{fill}") }
+            });
+            padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+        };
+        let labels: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
+        line(&labels) + &cells.iter().map(|row| line(row)).collect::<String>()
+    }
+
+    /// A Markdown table.
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        let escaped = |text: &str| text.replace('|', "\\|");
+        let line = |texts: Vec<String>| format!("| {} |\n", texts.join(" | "));
+        let mut out = line(self.columns.iter().map(|column| escaped(&column.label)).collect());
+        let rules = (0..self.columns.len()).map(|column| if self.is_right(column) { "--:" } else { "---" });
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "|{}|", rules.collect::<Vec<_>>().join("|"));
+        for row in &self.rows {
+            out.push_str(&line(row.iter().map(|cell| escaped(&cell.to_string())).collect()));
+        }
+        out
+    }
+
+    /// Comma-separated values (RFC 4180), keys in the first line; an empty cell where nothing was measured, `inf` for what was
+    /// not found.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let mut out = String::new();
+        let mut line = |cells: &mut dyn Iterator<Item = String>| {
+            let quoted = cells.map(|text| {
+                if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+            });
+            let _ = writeln!(out, "{}", quoted.collect::<Vec<_>>().join(","));
+        };
+        line(&mut self.columns.iter().map(|column| column.key.clone()));
+        for row in &self.rows {
+            line(&mut row.iter().map(Cell::exact));
+        }
+        out
+    }
+
+    /// An array with an object for each row; empty cells are left out.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let object = |row: &Vec<Cell>| {
+            let filled = self.columns.iter().zip(row).filter(|(_, cell)| **cell != Cell::Empty);
+            Value::Object(filled.map(|(column, cell)| (column.key.clone(), cell.value())).collect::<Map<_, _>>())
+        };
+        Value::Array(self.rows.iter().map(object).collect())
+    }
+
+    /// Whether a column holds numbers, which are aligned to the right.
+    fn is_right(&self, column: usize) -> bool {
+        self.rows.iter().any(|row| row[column].is_number())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Table {
+        let mut table = Table::new(&[("name", "Name"), ("error_px", "Error (px)"), ("count", "Frames")]);
+        table.push(vec!["a, \"b\"".into(), 0.012_345_678.into(), 3.into()]);
+        table.push(vec!["c|d".into(), Cell::Empty, 12.into()]);
+        table
+    }
+
+    #[test]
+    fn text_is_aligned_and_markdown_escaped() {
+        assert_eq!(
+            table().to_text(),
+            "Name    Error (px)  Frames\n\
+             a, \"b\"     0.01235       3\n\
+             c|d              –      12\n"
+        );
+        assert_eq!(
+            table().to_markdown(),
+            "| Name | Error (px) | Frames |\n|---|--:|--:|\n| a, \"b\" | 0.01235 | 3 |\n| c\\|d | – | 12 |\n"
+        );
+    }
+
+    #[test]
+    fn files_keep_every_digit() {
+        assert_eq!(table().to_csv(), "name,error_px,count\n\"a, \"\"b\"\"\",0.012345678,3\nc|d,,12\n");
+        assert_eq!(
+            table().to_json(),
+            serde_json::json!([{ "name": "a, \"b\"", "error_px": 0.012345678, "count": 3 }, { "name": "c|d", "count": 12 }])
+        );
+    }
+
+    #[test]
+    fn decimals_are_for_people_and_a_column_is_added_to_every_row() {
+        let cells = [Cell::Fixed(0.123_456, 2), Cell::Fixed(f64::NAN, 2)];
+        let table = table().with_column("share", "Share", cells);
+        assert!(table.to_markdown().contains("| 3 | 0.12 |") && table.to_markdown().contains("| 12 | – |"));
+        assert!(table.to_csv().contains(",3,0.123456\n") && table.to_csv().starts_with("name,error_px,count,share\n"));
+    }
+
+    #[test]
+    fn four_digits_for_people() {
+        let shown = [0.0, 1.0, 12.3456, 1234.5, 99_999.4, 0.001_234_56, -0.5, 1e-9, f64::INFINITY].map(significant);
+        assert_eq!(shown, ["0", "1.000", "12.35", "1234", "99999", "0.001235", "-0.5000", "1.000e-9", "∞"]);
+    }
+}

@@ -1,0 +1,208 @@
+//! Files that are either the old one or the new one, never half of one.
+
+use super::calls;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+pub(super) use touchline_core::files::folder_of;
+
+/// Writes a file so that a crash or a full disk at any moment leaves the old content or the new one: a temporary file in
+/// the same folder, flushed, renamed, and the folder flushed. The permissions of a file that is replaced are kept.
+///
+/// # Errors
+/// The folder is missing or not writable, or the disk is full; the old file is untouched.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole(path, bytes, true, &|| false).map(drop)
+}
+
+/// Writes a file as [`write_atomically`] does, unless another program has replaced the old one meanwhile: that is asked last of all,
+/// as flushing takes long enough for a sync client to come between. Whether it was written.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub(super) fn write_unless_replaced(path: &Path, bytes: &[u8], is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
+    write_whole(path, bytes, true, is_replaced)
+}
+
+/// Writes a file that was not there: one that another program made meanwhile is not replaced.
+///
+/// # Errors
+/// Something is there by now; else as [`write_atomically`].
+pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole(path, bytes, false, &|| false).map(drop)
+}
+
+fn write_whole(path: &Path, bytes: &[u8], replace: bool, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
+    let folder = folder_of(path);
+    let mut file = calls::temporary_in(folder)?;
+    calls::write_all(file.as_file_mut(), bytes)?;
+    if let Ok(old) = fs::metadata(path) {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    calls::flush(file.as_file(), file.path())?;
+    if is_replaced() {
+        return Ok(false);
+    }
+    calls::persist(file, path, replace)?;
+    calls::flush_folder(folder)?;
+    Ok(true)
+}
+
+/// Writes a result to the place that a user named. A regular file is replaced as by [`write_atomically`], one behind a link
+/// without touching the link; a pipe or a device is written to.
+///
+/// # Errors
+/// As [`write_atomically`], or the pipe or device takes no bytes.
+pub fn write_output(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_file() => write_atomically(&fs::canonicalize(path)?, bytes),
+        Ok(there) if !there.is_dir() => OpenOptions::new().write(true).open(path)?.write_all(bytes),
+        // A link whose target is still to be made; nothing can be lost.
+        Err(_) if path.is_symlink() => fs::write(path, bytes),
+        Ok(_) | Err(_) => write_atomically(path, bytes),
+    }
+}
+
+/// Whether what is at a path is written to and cannot be replaced: a pipe or a device.
+pub(super) fn is_pipe_or_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+/// Keeps the file at `path` as `backup` as well, in place of an older backup; nothing happens where there is no file.
+pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    match calls::remove(backup) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    // Not every file system knows hard links.
+    calls::link(path, backup).or_else(|_| copy_new(path, backup))
+}
+
+/// Moves a file to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is lost.
+pub(super) fn set_aside(path: &Path, file: &Path, word: &str) -> io::Result<PathBuf> {
+    let free = free_name(path, word, "");
+    calls::rename(file, &free)?;
+    calls::flush_folder(folder_of(path))?;
+    Ok(free)
+}
+
+/// Copies a file to the first free name of `path.WORD-1`, `path.WORD-2`, ….
+pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
+    let free = free_name(path, word, "");
+    copy_new(path, &free)?;
+    Ok(free)
+}
+
+/// Copies a file to a name that is free; a link that somebody put there meanwhile is not followed.
+fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
+    let bytes = fs::read(path)?;
+    let mut copy = calls::make_new(to)?;
+    calls::write_all(&mut copy, &bytes)?;
+    calls::flush(&copy, to)
+}
+
+/// Writes a new file under the first free name of `path.WORD-1ENDING`, `path.WORD-2ENDING`, ….
+pub(super) fn write_new_as(path: &Path, word: &str, ending: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+    let free = free_name(path, word, ending);
+    write_atomically(&free, bytes)?;
+    Ok(free)
+}
+
+fn free_name(path: &Path, word: &str, ending: &str) -> PathBuf {
+    let mut number = 1;
+    loop {
+        let candidate = with_suffix(path, &format!(".{word}-{number}{ending}"));
+        if fs::symlink_metadata(&candidate).is_err() {
+            return candidate;
+        }
+        number += 1;
+    }
+}
+
+/// A path with something appended to its file name: `project.json` + `.bak`.
+pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// The name of a file, without its folder.
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_file_replaces_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new");
+        write_new(&path, b"first").unwrap();
+        assert_eq!(write_new(&path, b"second").unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_keeps_its_permissions() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write_atomically(&path, b"one").unwrap();
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        }
+        write_atomically(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_keeps_its_target_and_a_device_is_written_to() {
+        use std::os::unix::fs::{FileTypeExt as _, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("target"), "old").unwrap();
+        for (link, target) in [("link", at("target")), ("ahead", at("to come")), ("null", "/dev/null".into())] {
+            symlink(target, at(link)).unwrap();
+            write_output(&at(link), b"new").unwrap();
+            assert!(at(link).is_symlink(), "{link} was replaced");
+        }
+        assert_eq!((fs::read(at("target")).unwrap(), fs::read(at("to come")).unwrap()), (b"new".into(), b"new".into()));
+        assert!(fs::metadata(at("null")).unwrap().file_type().is_char_device());
+    }
+
+    #[test]
+    fn a_write_that_fails_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("folder");
+        fs::create_dir(&path).unwrap();
+        assert!(write_atomically(&path, b"x").is_err());
+        assert!(write_atomically(&folder.path().join("missing/a.json"), b"x").is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn what_is_set_aside_never_replaces_anything() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        for content in ["1", "2"] {
+            fs::write(&path, content).unwrap();
+            set_aside(&path, &path, "orphan").unwrap();
+        }
+        assert_eq!(fs::read_to_string(folder.path().join("a.orphan-1")).unwrap(), "1");
+        assert_eq!(fs::read_to_string(folder.path().join("a.orphan-2")).unwrap(), "2");
+    }
+}

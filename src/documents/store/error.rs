@@ -1,0 +1,124 @@
+//! What can go wrong between a document and the disk.
+
+use super::ReadOnly;
+use crate::document::{ReadError, WriteError};
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use touchline_core::files::{WrongKind, way_out};
+
+/// Why a document was not opened or not saved.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The system refused.
+    #[error("cannot {action} {}: {source}{}", path.display(), way_out(source))]
+    Io {
+        /// What was tried: "read", "write".
+        action: &'static str,
+        /// With which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is nothing at this path.
+    #[error("{} does not exist; give a project folder, its project.json or a dataset file", path.display())]
+    NotFound {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A relative path, and nothing that it starts from.
+    #[error("cannot find {}: the folder that the program was started in was removed; start it in another one", path.display())]
+    NoWorkingFolder {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A folder without a project.
+    #[error("the folder {} holds no project.json; `touchline new` makes a project", folder.display())]
+    NoProject {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder or a device where a file should be.
+    #[error("{} is not a file; give a project folder, its project.json or a dataset file", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A link, a pipe or a device is where one of the store's own files should be.
+    #[error(transparent)]
+    WrongKind(WrongKind),
+    /// The document's folder, or its journal, is no longer where it was.
+    #[error("{} was moved or deleted while it was open; put it back, or save elsewhere", path.display())]
+    Gone {
+        /// The folder or the journal.
+        path: PathBuf,
+    },
+    /// The bytes are no document.
+    #[error("{}: {source}{}", path.display(), backup_hint(backup.as_deref()))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: ReadError,
+        /// The version before, if there is one.
+        backup: Option<PathBuf>,
+    },
+    /// The document in memory cannot be written.
+    #[error("{} was not written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: WriteError,
+    },
+    /// A newer program wrote the journal.
+    #[error("{} has version {version}, newer than this program; update touchline to open it", path.display())]
+    NewerJournal {
+        /// The journal.
+        path: PathBuf,
+        /// Its version.
+        version: u32,
+    },
+    /// Something is there already.
+    #[error("{} exists; give another name, or --force to replace it", path.display())]
+    Exists {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// Somebody else holds the document, or it is write-protected.
+    #[error("{} is {reason}", path.display())]
+    ReadOnly {
+        /// The document.
+        path: PathBuf,
+        /// Why.
+        reason: ReadOnly,
+    },
+    /// Another program changed the file since it was read.
+    #[error("{} was changed by another program since it was opened; save under another name, or replace it", path.display())]
+    ChangedOutside {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl StoreError {
+    /// A refusal of the system.
+    pub(super) fn from_io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        if let Some(wrong) = WrongKind::behind(&source) {
+            return Self::WrongKind(wrong.clone());
+        }
+        let path = path.to_path_buf();
+        match source.kind() {
+            io::ErrorKind::NotFound if path.is_relative() && std::env::current_dir().is_err() => {
+                Self::NoWorkingFolder { path }
+            }
+            io::ErrorKind::NotFound if action == "find" => Self::NotFound { path },
+            _ => Self::Io { action, path, source },
+        }
+    }
+}
+
+fn backup_hint(backup: Option<&Path>) -> String {
+    backup.map_or_else(String::new, |path| format!("; the version before it is {}", path.display()))
+}

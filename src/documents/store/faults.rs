@@ -1,0 +1,370 @@
+//! Faults under the store's calls: any one of them fails, before or after it did its work, or all do from one on; and what
+//! is left of a folder when the power goes.
+
+use super::{Access, DocumentStore as _, Location, Opened, Store, StoreError, open, read};
+use crate::document::{Click, Document, Edit, FieldSpec, Frame, History, Step};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io;
+use std::mem::ManuallyDrop;
+use std::path::Path;
+use tempfile::TempDir;
+use touchline_core::geometry::{ImagePoint, ImageSize};
+
+/// Which calls fail, by their number from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fault {
+    /// None does.
+    None,
+    /// This one, without having done anything.
+    Before(usize),
+    /// This one, having done its work: the answer was lost.
+    After(usize),
+    /// This one and all that follow.
+    From(usize),
+}
+
+/// What the system says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refusal {
+    NoSpace,
+    Broken,
+}
+
+/// A folder as the disk has it, whatever the system still holds in memory.
+#[derive(Debug, Default)]
+struct Durable {
+    /// The number of the file behind each name.
+    names: BTreeMap<String, u64>,
+    /// What each file held when it was flushed last.
+    contents: BTreeMap<u64, Vec<u8>>,
+    /// Files that were flushed stay open, so that none of their numbers is given to another file.
+    held: Vec<File>,
+}
+
+#[derive(Debug)]
+struct Plan {
+    fault: Fault,
+    refusal: Refusal,
+    calls: usize,
+    durable: Durable,
+}
+
+thread_local! {
+    static PLAN: RefCell<Plan> = const {
+        RefCell::new(Plan {
+            fault: Fault::None,
+            refusal: Refusal::Broken,
+            calls: 0,
+            durable: Durable { names: BTreeMap::new(), contents: BTreeMap::new(), held: Vec::new() },
+        })
+    };
+}
+
+/// Lets the calls of this thread fail from now on as is planned.
+fn plan(fault: Fault, refusal: Refusal) {
+    PLAN.with_borrow_mut(|plan| (plan.fault, plan.refusal, plan.calls) = (fault, refusal, 0));
+}
+
+fn calls() -> usize {
+    PLAN.with_borrow(|plan| plan.calls)
+}
+
+/// Carries a call out, unless it is to fail.
+pub(super) fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    let (number, fault, refusal) = PLAN.with_borrow_mut(|plan| {
+        plan.calls += 1;
+        (plan.calls - 1, plan.fault, plan.refusal)
+    });
+    let refused = || {
+        Err(match refusal {
+            Refusal::NoSpace => io::ErrorKind::StorageFull.into(),
+            Refusal::Broken => io::Error::other("Input/output error"),
+        })
+    };
+    match fault {
+        Fault::Before(failing) if number == failing => refused(),
+        Fault::From(failing) if number >= failing => refused(),
+        Fault::After(failing) if number == failing => call().and_then(|_| refused()),
+        _ => call(),
+    }
+}
+
+/// Notes what a call flushed: a file's content, or the names in a folder.
+pub(super) fn note_flushed(path: &Path) {
+    #[cfg(unix)]
+    PLAN.with_borrow_mut(|plan| {
+        use std::os::unix::fs::MetadataExt as _;
+        let id = |path: &Path| fs::metadata(path).map(|metadata| metadata.ino());
+        if path.is_dir() {
+            let entries = fs::read_dir(path).into_iter().flatten().flatten();
+            let named =
+                entries.filter_map(|entry| Some((entry.file_name().into_string().ok()?, id(&entry.path()).ok()?)));
+            plan.durable.names = named.collect();
+        } else if let (Ok(id), Ok(bytes)) = (id(path), fs::read(path)) {
+            plan.durable.contents.insert(id, bytes);
+            plan.durable.held.extend(File::open(path));
+        }
+    });
+}
+
+/// Everything in a folder is on the disk.
+fn all_flushed(folder: &Path) {
+    PLAN.with_borrow_mut(|plan| plan.durable = Durable::default());
+    note_flushed(folder);
+    for entry in fs::read_dir(folder).unwrap() {
+        note_flushed(&entry.unwrap().path());
+    }
+}
+
+/// What is there after the power went: names and contents as they were flushed, nothing where that never happened.
+fn after_power_cut() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    PLAN.with_borrow(|plan| {
+        for (name, id) in &plan.durable.names {
+            let bytes = plan.durable.contents.get(id).map_or(&[][..], Vec::as_slice);
+            fs::write(folder.path().join(name), bytes).unwrap();
+        }
+    });
+    folder
+}
+
+/// What is there after the program was killed: what the system holds outlives it.
+fn after_kill(folder: &Path) -> TempDir {
+    let copy = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        fs::copy(entry.path(), copy.path().join(entry.file_name())).unwrap();
+    }
+    copy
+}
+
+const STEPS: usize = 7;
+
+fn start() -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), ImageSize::new(1280, 720)).into();
+    document.frames = (0..2).map(frame).collect();
+    document
+}
+
+fn clicked(before: &Document, number: usize) -> Document {
+    let mut after = before.clone();
+    let frame = &mut after.frames[number % 2];
+    frame.clicks.push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
+    frame.revision += 1;
+    after
+}
+
+/// The document after each number of clicks.
+fn states() -> Vec<Document> {
+    (0..=STEPS)
+        .scan(start(), |state, number| {
+            let now = state.clone();
+            *state = clicked(state, number);
+            Some(now)
+        })
+        .collect()
+}
+
+fn clicks(document: &Document) -> usize {
+    document.frames.iter().map(|frame| frame.clicks.len()).sum()
+}
+
+/// A message says what and where in one line, without names that nobody gave, and the way out where there is one.
+fn assert_said(error: &StoreError, folder: &Path) {
+    let said = error.to_string();
+    let place = folder.to_string_lossy();
+    assert!(said.contains(&*place) && !said.contains('\n') && !said.contains(".touchline-"), "{said}");
+    if said.contains("no storage space") {
+        assert!(said.contains("free some space") || said.contains("save a copy elsewhere"), "{said}");
+    }
+}
+
+/// What a session did.
+struct Session {
+    /// Clicks that were acknowledged, in the journal or in the document.
+    acknowledged: usize,
+    /// Clicks that were made.
+    made: usize,
+    /// Calls that failed and said so.
+    refused: usize,
+}
+
+/// Somebody opens a project, clicks, saves now and then, and closes it. What fails is tried `again`, or is the end.
+fn session(folder: &Path, again: bool) -> Session {
+    let mut session = Session { acknowledged: 0, made: 0, refused: 0 };
+    let _ = try_session(folder, again, &mut session);
+    session
+}
+
+/// Tries once more what fails.
+fn with_retry<T>(
+    folder: &Path,
+    again: bool,
+    session: &mut Session,
+    mut attempt: impl FnMut() -> Result<T, StoreError>,
+) -> Option<T> {
+    let error = match attempt() {
+        Ok(done) => return Some(done),
+        Err(error) => error,
+    };
+    session.refused += 1;
+    assert_said(&error, folder);
+    if !again {
+        return None;
+    }
+    Some(attempt().unwrap_or_else(|second| panic!("{error}; and then: {second}")))
+}
+
+fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> {
+    let file = folder.join("project.json");
+    let (store, mut document) = with_retry(folder, again, session, || {
+        let Opened { document, access, .. } = open(&file)?;
+        match access {
+            Access::Writable(store) => Ok((store, document)),
+            Access::ReadOnly(reason) => Err(StoreError::ReadOnly { path: file.clone(), reason }),
+        }
+    })?;
+    // A program that dies closes nothing.
+    let mut store = ManuallyDrop::new(store);
+    let mut history = History::default();
+    for number in clicks(&document)..STEPS {
+        history.begin(&document, Step::on_document("Click"));
+        let after = clicked(&document, number);
+        history.commit(&after);
+        let edit = Edit::between(&document, &after, "Click");
+        session.made = number + 1;
+        with_retry(folder, again, session, || store.append(std::slice::from_ref(&edit)))?;
+        (document, session.acknowledged) = (after, number + 1);
+        if number % 3 == 1 {
+            with_retry(folder, again, session, || store.save(&document, &history))?;
+        }
+        if number == 4 {
+            // Another session goes on.
+            drop(ManuallyDrop::into_inner(store));
+            return try_session(folder, again, session);
+        }
+    }
+    drop(ManuallyDrop::into_inner(store));
+    Some(())
+}
+
+/// A new project.
+fn project() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let folder_path = fs::canonicalize(folder.path()).unwrap();
+    let location = Location::for_new_document(&folder_path.join("project.json")).unwrap();
+    drop(Store::create(&location, &start()).unwrap());
+    all_flushed(&folder_path);
+    folder
+}
+
+/// Opens what is left and looks for every click that was acknowledged.
+fn assert_kept(left: &Path, session: &Session, what: &str) {
+    let (_, document, recovery) = read(left).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let found = clicks(&document);
+    let states = states();
+    assert!(
+        (session.acknowledged..=session.made.max(session.acknowledged)).contains(&found),
+        "{what}: {found} clicks, {} acknowledged; {recovery:?}",
+        session.acknowledged
+    );
+    assert_eq!(document.frames, states[found].frames, "{what}");
+    assert_eq!((recovery.foreign_edits, recovery.misfit), (0, None), "{what}");
+    // It opens for writing, and the next session goes on to the end.
+    let next = self::session(&fs::canonicalize(left).unwrap(), false);
+    assert_eq!(next.refused, 0, "{what}");
+    assert_eq!(read(left).unwrap().1.frames, states[STEPS].frames, "{what}");
+}
+
+/// How many calls a session makes.
+fn calls_of_a_session() -> usize {
+    let folder = project();
+    plan(Fault::None, Refusal::Broken);
+    let session = session(&fs::canonicalize(folder.path()).unwrap(), false);
+    assert_eq!((session.acknowledged, session.refused), (STEPS, 0));
+    calls()
+}
+
+#[test]
+fn whichever_call_fails_nothing_acknowledged_is_lost_and_the_retry_works() {
+    let count = calls_of_a_session();
+    assert!(count > 60, "{count}");
+    let mut refused = 0;
+    for failing in 0..count {
+        for fault in [Fault::Before(failing), Fault::After(failing)] {
+            for refusal in [Refusal::NoSpace, Refusal::Broken] {
+                let folder = project();
+                plan(fault, refusal);
+                let session = session(&fs::canonicalize(folder.path()).unwrap(), true);
+                plan(Fault::None, refusal);
+                assert_eq!(session.acknowledged, STEPS, "{fault:?}");
+                assert!(session.refused <= 1, "{fault:?}");
+                refused += session.refused;
+                assert_kept(folder.path(), &session, &format!("{fault:?}, {refusal:?}"));
+            }
+        }
+    }
+    assert!(refused > 2 * count, "most failures are said: {refused} of {}", 4 * count);
+}
+
+#[test]
+fn a_program_that_dies_at_any_call_keeps_what_it_acknowledged() {
+    for failing in 0..calls_of_a_session() {
+        for fault in [Fault::From(failing), Fault::Before(failing), Fault::After(failing)] {
+            let folder = project();
+            plan(fault, Refusal::Broken);
+            let session = session(&fs::canonicalize(folder.path()).unwrap(), false);
+            let left = after_kill(folder.path());
+            plan(Fault::None, Refusal::Broken);
+            assert_kept(left.path(), &session, &format!("{fault:?}"));
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_power_cut_at_any_call_keeps_what_was_acknowledged() {
+    for failing in 0..calls_of_a_session() {
+        let folder = project();
+        plan(Fault::From(failing), Refusal::Broken);
+        let session = session(&fs::canonicalize(folder.path()).unwrap(), false);
+        let left = after_power_cut();
+        plan(Fault::None, Refusal::Broken);
+        assert_kept(left.path(), &session, &format!("power cut at call {failing}"));
+    }
+}
+
+#[test]
+fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole() {
+    let states = states();
+    let edit = |number: usize| Edit::between(&states[number - 1], &states[number], "Click");
+    let mut saved_early = 0;
+    for failing in 0..30 {
+        let folder = project();
+        let place = fs::canonicalize(folder.path()).unwrap();
+        let Opened { access: Access::Writable(mut store), location, .. } = open(&place).unwrap() else {
+            panic!("read-only")
+        };
+        store.append(&[edit(1)]).unwrap();
+        fs::remove_file(location.journal()).unwrap();
+        assert!(matches!(store.append(&[edit(2)]), Err(StoreError::Gone { .. })));
+        // The disk is full when the document is to be written in its stead.
+        plan(Fault::From(failing), Refusal::NoSpace);
+        let saved = store.save(&states[2], &History::default());
+        plan(Fault::None, Refusal::NoSpace);
+        match store.append(&[edit(3)]) {
+            Ok(()) => saved_early += 1,
+            Err(error) => {
+                assert!(saved.is_err() && matches!(error, StoreError::Gone { .. }), "failing from {failing}: {error}");
+                store.save(&states[2], &History::default()).unwrap();
+                store.append(&[edit(3)]).unwrap();
+            }
+        }
+        let left = after_kill(&place);
+        assert_eq!(read(left.path()).unwrap().1.frames, states[3].frames, "failing from {failing}");
+    }
+    assert!((1..30).contains(&saved_early), "{saved_early}");
+}

@@ -1,0 +1,302 @@
+//! The file beside a saved document with the steps that can be undone and redone: undo survives closing and opening.
+//!
+//! Checksummed lines (see [`lines`](super::lines)): the first names the document that the steps start from (its SHA-256) and
+//! counts them, then one line a step, as an edit by frame id: undo from the last step back, then redo from the next step on.
+//! The file is written whole just before its document is, so that it belongs to that document or to what the journal leads to.
+//! It holds at most [`History::DEFAULT_LIMIT`] steps and [`MOST_BYTES`] in each direction; the farthest steps are left out.
+//! It is a convenience: one that does not belong to the document, or is damaged, is left out and said so, and what cannot
+//! be written keeps no document from being saved.
+
+use super::atomic::write_atomically;
+use super::calls;
+use super::journal::DocumentHash;
+use super::lines::{first_line, line, line_within};
+use crate::document::{Document, History, SplitDocument, StepEdit, StepMisfit};
+use serde::{Deserialize, Serialize};
+use std::fs::OpenOptions;
+use std::io::{self, Read as _};
+use std::path::Path;
+use thiserror::Error;
+use touchline_core::files::open_regular;
+
+/// The version of the file that this program writes and reads.
+const VERSION: u32 = 1;
+/// The most bytes of steps to undo, and of steps to redo. A step that changed one frame has a few kilobytes; one that moved
+/// the base changed every solved frame.
+pub(super) const MOST_BYTES: usize = 32 << 20;
+/// A file of more bytes was not written by this program.
+const MOST_FILE_BYTES: u64 = 2 * MOST_BYTES as u64 + 1024;
+
+/// Why steps of earlier sessions cannot be undone.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum HistoryLeftOut {
+    /// The file was cut off or its bytes were changed.
+    #[error("their file is damaged")]
+    Damaged,
+    /// The document was written by another program, or is another version of it.
+    #[error("they lead to another version of the document")]
+    OtherDocument,
+    /// A newer program wrote it.
+    #[error("their file has version {version}, newer than this program")]
+    Newer {
+        /// Its version.
+        version: u32,
+    },
+    /// It is larger than any that this program writes.
+    #[error("their file has {bytes} bytes, more than this program writes")]
+    TooLarge {
+        /// How large it is.
+        bytes: u64,
+    },
+    /// It cannot be read, or is no regular file.
+    #[error("{reason}")]
+    Unreadable {
+        /// What the system says.
+        reason: String,
+    },
+    /// Those before a step that does not fit.
+    #[error(transparent)]
+    Misfit(#[from] StepMisfit),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Record {
+    /// Opens the file.
+    History(Header),
+    /// From the document after the step to that before it.
+    Undo(StepEdit),
+    /// From the document before the step to that after it.
+    Redo(StepEdit),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Header {
+    version: u32,
+    document_sha256: DocumentHash,
+    /// How many steps to undo follow.
+    undo: usize,
+    /// How many steps to redo follow them.
+    redo: usize,
+}
+
+/// A history file whose first line was read.
+#[derive(Debug)]
+pub(super) struct HistoryFile {
+    header: Header,
+    /// The lines of the steps.
+    steps: Vec<u8>,
+}
+
+impl HistoryFile {
+    /// Reads the file at a path; none where there is none.
+    pub fn read(path: &Path) -> Result<Option<Self>, HistoryLeftOut> {
+        let unreadable = |error: io::Error| HistoryLeftOut::Unreadable { reason: error.to_string() };
+        let file = match open_regular(path, OpenOptions::new().read(true)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            other => other.map_err(unreadable)?,
+        };
+        let bytes = file.metadata().map_err(unreadable)?.len();
+        if bytes > MOST_FILE_BYTES {
+            return Err(HistoryLeftOut::TooLarge { bytes });
+        }
+        let mut bytes = Vec::new();
+        file.take(MOST_FILE_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
+        Self::parse(bytes).map(Some)
+    }
+
+    fn parse(mut bytes: Vec<u8>) -> Result<Self, HistoryLeftOut> {
+        let Some((json, length)) = first_line(&bytes) else { return Err(HistoryLeftOut::Damaged) };
+        // Of a newer version not more may be known than its number.
+        let header: Option<serde_json::Value> = serde_json::from_slice(json).ok();
+        let version = header.and_then(|header| u32::try_from(header["history"]["version"].as_u64()?).ok());
+        if let Some(version) = version.filter(|version| *version > VERSION) {
+            return Err(HistoryLeftOut::Newer { version });
+        }
+        let Ok(Record::History(header)) = serde_json::from_slice(json) else { return Err(HistoryLeftOut::Damaged) };
+        let steps = bytes.split_off(length);
+        Ok(Self { header, steps })
+    }
+
+    /// Whether its steps start from the document of this hash.
+    pub fn starts_from(&self, document: &DocumentHash) -> bool {
+        self.header.document_sha256 == *document
+    }
+
+    /// The steps before and after the document that they start from, and why some were left out.
+    pub fn history(&self, document: &Document) -> (History<Document>, Option<HistoryLeftOut>) {
+        match self.steps() {
+            Some((undo, redo)) => {
+                let (history, misfit) = History::from_edits(document, undo, redo);
+                (history, misfit.map(Into::into))
+            }
+            None => (History::default(), Some(HistoryLeftOut::Damaged)),
+        }
+    }
+
+    /// The steps to undo and those to redo; none unless every one is there.
+    fn steps(&self) -> Option<(Vec<StepEdit>, Vec<StepEdit>)> {
+        let (mut undo, mut redo) = (Vec::new(), Vec::new());
+        let mut rest = &self.steps[..];
+        while !rest.is_empty() {
+            let (json, length) = first_line(rest)?;
+            match serde_json::from_slice(json).ok()? {
+                Record::Undo(step) if redo.is_empty() => undo.push(step),
+                Record::Redo(step) => redo.push(step),
+                Record::Undo(_) | Record::History(_) => return None,
+            }
+            rest = &rest[length..];
+        }
+        ((undo.len(), redo.len()) == (self.header.undo, self.header.redo)).then_some((undo, redo))
+    }
+}
+
+/// Writes the steps before and after a document of this hash; where there are none, a file of earlier ones goes.
+pub(super) fn write(
+    path: &Path,
+    hash: &DocumentHash,
+    document: &Document,
+    history: &History<Document>,
+) -> io::Result<()> {
+    if let Err(error) = open_regular(path, OpenOptions::new().read(true))
+        && error.kind() != io::ErrorKind::NotFound
+    {
+        return Err(error);
+    }
+    if history.is_empty() {
+        return remove(path);
+    }
+    write_atomically(path, &bytes(hash, document, history)?)
+}
+
+/// Takes the file away, if there is one.
+pub(super) fn remove(path: &Path) -> io::Result<()> {
+    match calls::remove(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+fn bytes(hash: &DocumentHash, document: &Document, history: &History<Document>) -> io::Result<Vec<u8>> {
+    // Undo goes back and forth in what people did, without what is suggested.
+    let split = SplitDocument::of(document.clone());
+    let (undo_lines, undo) = lines(history.undo_edits(split.edited()).map(Record::Undo))?;
+    let (redo_lines, redo) = lines(history.redo_edits(split.edited()).map(Record::Redo))?;
+    let header = Header { version: VERSION, document_sha256: hash.clone(), undo, redo };
+    let mut bytes = line(&Record::History(header))?.into_bytes();
+    bytes.extend(undo_lines);
+    bytes.extend(redo_lines);
+    Ok(bytes)
+}
+
+/// The lines of as many steps as there is room for, and how many those are.
+fn lines(steps: impl Iterator<Item = Record>) -> io::Result<(Vec<u8>, usize)> {
+    let (mut bytes, mut count) = (Vec::new(), 0);
+    for step in steps {
+        let Some(line) = line_within(&step, MOST_BYTES - bytes.len())? else { break };
+        bytes.extend(line);
+        count += 1;
+    }
+    Ok((bytes, count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{FieldSpec, Frame, Step};
+    use touchline_core::geometry::ImageSize;
+
+    /// A document with three steps before it and two after.
+    fn document_with_history() -> (Document, History<Document>) {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |index: i32| Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48)).into();
+        document.frames.extend((0..4).map(frame));
+        let mut history = History::default();
+        for index in 0..5 {
+            history.begin(&document, Step::on_document(format!("Step {index}")));
+            document.frames[index % 4].comment = Some(format!("{index}"));
+            document.frames[index % 4].revision += 1;
+            assert!(history.commit(&document));
+        }
+        history.undo(&mut document);
+        history.undo(&mut document);
+        (document, history)
+    }
+
+    fn written() -> (Document, History<Document>, Vec<u8>) {
+        let (document, history) = document_with_history();
+        let bytes = bytes(&"a".to_owned(), &document, &history).unwrap();
+        (document, history, bytes)
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let (document, history, bytes) = written();
+        let file = HistoryFile::parse(bytes).unwrap();
+        assert!(file.starts_from(&"a".to_owned()) && !file.starts_from(&"b".to_owned()));
+        assert_eq!(file.history(&document), (history, None));
+    }
+
+    #[test]
+    fn a_cut_or_a_flipped_byte_leaves_the_history_out() {
+        let (document, _, bytes) = written();
+        let read = |bytes: Vec<u8>| HistoryFile::parse(bytes).map(|file| file.history(&document));
+        for at in 0..bytes.len() {
+            for damaged in [bytes[..at].to_vec(), {
+                let mut flipped = bytes.clone();
+                flipped[at] ^= 1;
+                flipped
+            }] {
+                let left_out = match read(damaged) {
+                    Err(left_out) => left_out,
+                    Ok((history, left_out)) => {
+                        assert!(history.is_empty(), "byte {at}");
+                        left_out.unwrap()
+                    }
+                };
+                assert_eq!(left_out, HistoryLeftOut::Damaged, "byte {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_newer_version_is_named_whatever_else_it_holds() {
+        let newer = line(&serde_json::json!({ "history": { "version": 2, "steps": {} } })).unwrap();
+        let left_out = HistoryFile::parse(newer.into_bytes()).unwrap_err();
+        assert_eq!(left_out, HistoryLeftOut::Newer { version: 2 });
+    }
+
+    #[test]
+    fn the_history_ends_before_a_step_that_does_not_fit() {
+        let (document, history, bytes) = written();
+        let mut other = document.clone();
+        // The second step back changed it.
+        other.frames[1].revision += 1;
+        let (found, left_out) = HistoryFile::parse(bytes).unwrap().history(&other);
+        assert_eq!(found.next_undo(), history.next_undo());
+        assert_eq!(found.undo_edits(&other).count(), 1);
+        assert!(matches!(left_out, Some(HistoryLeftOut::Misfit(misfit)) if misfit.name == "Step 1"));
+    }
+
+    #[test]
+    fn a_step_too_large_for_the_file_and_those_before_it_are_left_out() {
+        let (mut document, mut history) = document_with_history();
+        for (name, bytes) in [("Large", MOST_BYTES), ("Small", 1)] {
+            history.begin(&document, Step::on_document(name));
+            document.frames[0].comment = Some("x".repeat(bytes));
+            document.frames[0].revision += 1;
+            assert!(history.commit(&document));
+        }
+        // Taking the small step back brings the large comment.
+        let bytes_of_none = bytes(&"a".to_owned(), &document, &history).unwrap();
+        assert!(HistoryFile::parse(bytes_of_none).unwrap().history(&document).0.is_empty());
+        history.begin(&document, Step::on_document("Last"));
+        document.frames[1].comment = None;
+        document.frames[1].revision += 1;
+        assert!(history.commit(&document));
+        let bytes_of_one = bytes(&"a".to_owned(), &document, &history).unwrap();
+        let (found, left_out) = HistoryFile::parse(bytes_of_one).unwrap().history(&document);
+        assert_eq!((found.undo_edits(&document).count(), left_out), (1, None));
+    }
+}

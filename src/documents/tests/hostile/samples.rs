@@ -1,0 +1,145 @@
+//! Something valid in every format that is imported: exported here where that is possible.
+
+use crate::mat_writer::{CAMERA, frame, sequence};
+use std::path::Path;
+use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame};
+use touchline_documents::exchange::{
+    ExchangeError, ExportOptions, Format, ImportOptions, Imported, Zoom, export, import,
+};
+
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+/// Files by name.
+pub type Named = Vec<(String, Vec<u8>)>;
+
+/// What is imported and how.
+#[derive(Clone)]
+pub struct Sample {
+    pub format: Format,
+    pub files: Named,
+    pub options: ImportOptions,
+}
+
+/// Every format that can be imported.
+pub fn formats() -> impl Iterator<Item = Format> {
+    Format::ALL.into_iter().filter(|format| format.imports())
+}
+
+impl Sample {
+    pub fn of(format: Format) -> Self {
+        let mut options = ImportOptions { size: Some(SIZE), zoom: Some(Zoom::FocalPx), ..ImportOptions::default() };
+        if format == Format::DeepSport {
+            options.field = FieldSpec::new("basketball_fiba");
+        }
+        Self { format, files: files(format), options }
+    }
+
+    /// Its only file, or the one that most is said of.
+    pub fn main(&self) -> &str {
+        let wanted = match self.format {
+            Format::YoloPose => "labels/train/0001.txt",
+            Format::Colmap => "images.txt",
+            _ => return &self.files[0].0,
+        };
+        assert!(self.files.iter().any(|(name, _)| name == wanted));
+        wanted
+    }
+
+    pub fn bytes(&self, name: &str) -> &[u8] {
+        &self.files.iter().find(|(known, _)| known == name).unwrap().1
+    }
+
+    pub fn text(&self) -> String {
+        String::from_utf8(self.bytes(self.main()).to_vec()).unwrap()
+    }
+
+    /// The main file's text; nothing for formats that are none.
+    pub fn text_or_empty(&self) -> String {
+        String::from_utf8(self.bytes(self.main()).to_vec()).unwrap_or_default()
+    }
+
+    /// Imports files in the place of its own, written into a folder that is empty before and after.
+    pub fn import(&self, files: &[(String, Vec<u8>)], folder: &Path) -> Result<Imported, ExchangeError> {
+        let within = folder.join("in");
+        std::fs::create_dir_all(&within).unwrap();
+        for (name, bytes) in files {
+            let path = within.join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        }
+        let imported = import(&self.path(files, &within), self.format, &self.options);
+        std::fs::remove_dir_all(&within).unwrap();
+        imported
+    }
+
+    fn path(&self, files: &[(String, Vec<u8>)], within: &Path) -> std::path::PathBuf {
+        match files {
+            [(name, _)] if !self.format.is_folder() => within.join(name),
+            _ => within.to_path_buf(),
+        }
+    }
+}
+
+/// Two solved frames with clicks.
+fn document() -> Document {
+    let base = CameraBase {
+        distortion: FocalCurve::constant(0.0661),
+        ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    };
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base);
+    document.cameras.push(camera.into());
+    for index in 0..2_u64 {
+        let mut frame = Frame::from_image(&format!("images/{:04}.jpg", index + 1), "main".into(), SIZE);
+        frame.video = Some(VideoFrame::new("match.mp4", 412 + index, Some((412 + index) as f64 / 25.0)));
+        frame.status = FrameStatus::Reference;
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(12.5, -11.2, 2410.0), None));
+        frame.clicks = vec![
+            Click::landmark("centre_mark".into(), ImagePoint::new(444.5, 789.25)),
+            Click::landmark("penalty_area_far_right_front".into(), ImagePoint::new(1449.22, 565.92)),
+            Click::line("halfway_line".into(), ImagePoint::new(440.63, 690.25)),
+        ];
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn files(format: Format) -> Named {
+    match format {
+        Format::Cvat => one("annotations.xml", CVAT),
+        Format::DeepSport => one("camcourt1_7.json", DEEPSPORT),
+        Format::PnlCalib => one("0001.json", PNLCALIB),
+        Format::AuthorsMat => vec![("seq1_anno.mat".to_owned(), sequence(vec![frame("1.jpg", CAMERA)], false))],
+        _ => {
+            let document = document();
+            let exported = export(document.at(Path::new("/")), format, &ExportOptions::default()).unwrap();
+            exported.files.sorted().into_iter().map(|(name, bytes)| (name.to_owned(), bytes.to_vec())).collect()
+        }
+    }
+}
+
+fn one(name: &str, text: &str) -> Named {
+    vec![(name.to_owned(), text.as_bytes().to_vec())]
+}
+
+const CVAT: &str = r#"<annotations><version>1.1</version><meta><task><original_size><width>1920</width><height>1080</height></original_size></task></meta>
+<image id="0" name="clip/0001.jpg" width="1920" height="1080">
+ <points label="centre_mark" occluded="0" points="444.68,789.18" z_order="0"></points>
+ <polyline label="halfway_line" occluded="0" points="434.1,535.7;440.6,690.3" z_order="0"></polyline>
+ <skeleton label="pitch" z_order="0"><points label="corner_far_left" outside="1" points="0.00,0.00"></points></skeleton>
+</image>
+<track id="0" label="penalty_mark_left"><points frame="3" keyframe="1" outside="0" points="10,20"/></track></annotations>
+"#;
+
+const DEEPSPORT: &str = r#"{"calibration":{"img_width":1920,"img_height":1080,"KK":[2410,0,959.5,0,2410,539.5,0,0,1],"kc":[0.0661,0,0,0,0],
+ "R":[0.97629600712,0.216439613938,0.0,-0.042040007992,0.189630221542,0.980955155349,0.212317555114,-0.957702601331,0.19423435122],
+ "T":[-2827.781804,544.571295,6516.869814]}}
+"#;
+
+const PNLCALIB: &str = r#"{"cam_params":{"pan_degrees":12.5,"tilt_degrees":78.8,"roll_degrees":0.0,"position_meters":[0.0,60.0,-18.0],
+ "x_focal_length":2410.0,"y_focal_length":2410.0,"principal_point":[960.0,540.0],"radial_distortion":[0,0,0,0,0,0],
+ "tangential_distortion":[0,0],"thin_prism_distortion":[0,0,0,0],"rotation_matrix":[[1,0,0],[0,1,0],[0,0,1]]}}
+"#;

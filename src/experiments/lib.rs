@@ -1,0 +1,46 @@
+//! The paper's tables and figures, measured again.
+//!
+//! | what | where |
+//! |---|---|
+//! | the experiments | [`Experiment`], [`SharedInputs`] |
+//! | the matching of the baselines | [`nearest`] |
+//!
+//! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018. Everything here draws
+//! its chance from one seed: the same seed gives the same bytes, times apart.
+
+mod annotator;
+mod answers;
+mod baselines;
+mod descriptors;
+mod error;
+mod errors;
+mod forests;
+mod fov;
+mod given;
+mod homographies;
+mod inputs;
+mod lost_iou;
+mod matching;
+mod motion;
+mod options;
+mod overlays;
+mod page;
+mod paper;
+mod pose;
+mod progress;
+mod ransac;
+mod run;
+mod sequences;
+mod sets;
+mod setting;
+mod synthetic;
+mod threshold;
+mod trees;
+
+pub use error::ExperimentError;
+pub use inputs::SharedInputs;
+pub use matching::{DescriptorRows, Nearest, nearest};
+pub use options::{Experiment, ExperimentOptions, UnknownExperiment};
+pub use page::page;
+pub use progress::Progress;
+pub use sets::{OwnDocument, OwnDocuments};

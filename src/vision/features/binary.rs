@@ -1,0 +1,227 @@
+//! ORB and AKAZE, used only for comparison with SIFT. The boundary to OpenCV's detectors of this kind.
+
+use super::{DESCRIPTOR_BYTES, Descriptor, FeatureError, Keypoint};
+use crate::media::Picture;
+use touchline_core::geometry::{ImageSize, PixelBox};
+
+/// Bits of a descriptor at most, in words of 64.
+const WORDS: usize = 8;
+
+/// A kind of binary features.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BinaryKind {
+    /// Rublee et al. 2011: FAST corners, 256 comparisons of brightness.
+    Orb,
+    /// Alcantarilla et al. 2013: blobs of a nonlinear scale space, 486 comparisons.
+    Akaze,
+}
+
+/// A descriptor of bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BinaryDescriptor {
+    bits: [u64; WORDS],
+}
+
+impl BinaryDescriptor {
+    /// A descriptor from its bytes, at most 64 of them.
+    #[must_use]
+    pub fn from_bytes(bytes: &[u8]) -> Self {
+        let mut words = [0u64; WORDS];
+        for (at, byte) in bytes.iter().enumerate().take(8 * WORDS) {
+            words[at / 8] |= u64::from(*byte) << (8 * (at % 8));
+        }
+        Self { bits: words }
+    }
+
+    /// 128 of its bits as bytes, so that one forest serves all features: ORB's first, which are those that its authors
+    /// found to vary most, and AKAZE's evenly. What a bit counts makes a quarter of them the gate of SIFT (0.2).
+    #[must_use]
+    pub fn as_bytes(&self, kind: BinaryKind) -> Descriptor {
+        const SET: u8 = 40;
+        let step = match kind {
+            BinaryKind::Orb => 1.0,
+            BinaryKind::Akaze => f64::from(kind.bits()) / DESCRIPTOR_BYTES as f64,
+        };
+        Descriptor(std::array::from_fn(|at| {
+            let bit = (at as f64 * step) as usize;
+            if self.bits[bit / 64] >> (bit % 64) & 1 == 1 { SET } else { 0 }
+        }))
+    }
+
+    /// How many bits differ.
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> u32 {
+        self.bits.iter().zip(&other.bits).map(|(a, b)| (a ^ b).count_ones()).sum()
+    }
+}
+
+impl BinaryKind {
+    /// How many bits its descriptors have.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        match self {
+            Self::Orb => 256,
+            Self::Akaze => 486,
+        }
+    }
+}
+
+/// The binary features of a picture, the strongest first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BinaryFeatures {
+    /// The size of the picture, px.
+    pub image_size: ImageSize,
+    /// Where they are.
+    pub keypoints: Vec<Keypoint>,
+    /// What they look like, one for each keypoint.
+    pub descriptors: Vec<BinaryDescriptor>,
+}
+
+/// At most `max_count` binary features of a picture whose centres lie in none of the `masks` (px), spread over it as
+/// [`extract`](super::extract) spreads SIFT.
+///
+/// # Errors
+/// The program was built without OpenCV, or OpenCV refused.
+#[cfg(feature = "opencv")]
+pub fn extract_binary(
+    picture: &Picture,
+    masks: &[PixelBox],
+    kind: BinaryKind,
+    max_count: usize,
+) -> Result<BinaryFeatures, FeatureError> {
+    let image_size = picture.size();
+    let found =
+        opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count).map_err(|error| {
+            FeatureError::OpenCv {
+                width: image_size.width,
+                height: image_size.height,
+                reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+            }
+        })?;
+    let open = found.into_iter().filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
+    let (keypoints, descriptors): (Vec<Keypoint>, Vec<BinaryDescriptor>) = open.unzip();
+    let kept = super::spread::spread(&keypoints, image_size, max_count);
+    Ok(BinaryFeatures {
+        image_size,
+        keypoints: kept.iter().map(|&index| keypoints[index]).collect(),
+        descriptors: kept.iter().map(|&index| descriptors[index]).collect(),
+    })
+}
+
+/// The binary features of a picture; this program was built without OpenCV and has none.
+///
+/// # Errors
+/// Always [`FeatureError::WithoutOpenCv`].
+#[cfg(not(feature = "opencv"))]
+pub fn extract_binary(
+    _picture: &Picture,
+    _masks: &[PixelBox],
+    _kind: BinaryKind,
+    _max_count: usize,
+) -> Result<BinaryFeatures, FeatureError> {
+    Err(FeatureError::WithoutOpenCv)
+}
+
+#[cfg(feature = "opencv")]
+pub(super) mod opencv_calls {
+    use super::{BinaryDescriptor, BinaryKind};
+    use crate::features::Keypoint;
+    use crate::media::GreyPicture;
+    use opencv::core::{KeyPoint, Mat, Ptr, Vector, no_array};
+    use opencv::features2d::{AKAZE, AKAZE_DescriptorType, KAZE_DiffusivityType, ORB, ORB_ScoreType};
+    use opencv::prelude::*;
+    use touchline_core::geometry::ImagePoint;
+
+    /// From OpenCV's keypoint, which counts from the first pixel's centre, to corner coordinates.
+    const CORNER_FROM_OPENCV: f64 = 0.5;
+
+    /// ORB's pyramid shrinks by this factor a level. A level's coordinates are multiplied by its scale without the half
+    /// pixel, so that the half pixel grows with the level.
+    const ORB_SCALE: f32 = 1.2;
+
+    /// Pictures with a shorter side give no features: the patches are larger.
+    const MIN_SIDE_PX: u32 = 64;
+
+    /// All features with OpenCV's own settings; of ORB's at most `limit`, which it asks for.
+    pub fn detect(
+        grey: &GreyPicture,
+        kind: BinaryKind,
+        limit: usize,
+    ) -> opencv::Result<Vec<(Keypoint, BinaryDescriptor)>> {
+        if grey.size.width.min(grey.size.height) < MIN_SIDE_PX {
+            return Ok(Vec::new());
+        }
+        crate::features::sift::use_one_thread();
+        let image = Mat::new_rows_cols_with_bytes::<u8>(grey.size.height as i32, grey.size.width as i32, &grey.values)?;
+        let mut keypoints = Vector::<KeyPoint>::new();
+        let mut descriptors = Mat::default();
+        match kind {
+            BinaryKind::Orb => {
+                let limit = limit.min(i32::MAX as usize) as i32;
+                let mut orb: Ptr<ORB> =
+                    ORB::create(limit, ORB_SCALE, 8, 31, 0, 2, ORB_ScoreType::HARRIS_SCORE, 31, 20)?;
+                orb.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
+            }
+            BinaryKind::Akaze => {
+                let (bits, spread) = (AKAZE_DescriptorType::DESCRIPTOR_MLDB, KAZE_DiffusivityType::DIFF_PM_G2);
+                let mut akaze: Ptr<AKAZE> = AKAZE::create(bits, 0, 3, 0.001, 4, 4, spread)?;
+                akaze.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
+            }
+        }
+        let mut found = Vec::with_capacity(keypoints.len());
+        for (row, keypoint) in keypoints.iter().enumerate() {
+            let at = keypoint.pt();
+            let half_px = match kind {
+                BinaryKind::Orb => CORNER_FROM_OPENCV * f64::from(ORB_SCALE).powi(keypoint.octave()),
+                BinaryKind::Akaze => CORNER_FROM_OPENCV,
+            };
+            let point = ImagePoint::new(f64::from(at.x) + half_px, f64::from(at.y) + half_px);
+            let descriptor = BinaryDescriptor::from_bytes(descriptors.at_row::<u8>(row as i32)?);
+            found.push((Keypoint { point, size_px: keypoint.size(), strength: keypoint.response() }, descriptor));
+        }
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_of_the_bits_is_the_gate() {
+        let [none, quarter] = [0, 0b0001_0001].map(|byte| BinaryDescriptor::from_bytes(&[byte; 64]));
+        for kind in [BinaryKind::Orb, BinaryKind::Akaze] {
+            let distance = none.as_bytes(kind).squared_distance(&quarter.as_bytes(kind));
+            assert!((distance - 0.2).abs() < 0.05, "{kind:?}: {distance}");
+        }
+    }
+
+    #[test]
+    fn bits_that_differ_are_counted() {
+        let one = BinaryDescriptor::from_bytes(&[0b1010_0000, 0, 0, 0, 0, 0, 0, 0, 0xFF]);
+        let other = BinaryDescriptor::from_bytes(&[0b1000_0001]);
+        assert_eq!(one.distance(&other), 2 + 8);
+        assert_eq!(one.distance(&one), 0);
+    }
+
+    #[cfg(feature = "opencv")]
+    #[test]
+    fn corners_are_found_where_they_are_and_not_under_masks() {
+        // A bright square on grey: corners at 60 and 100 px.
+        let size = ImageSize::new(160, 160);
+        let inside = |x: u32, y: u32| (60..100).contains(&x) && (60..100).contains(&y);
+        let pixels = (0..160).flat_map(|y| (0..160).map(move |x| if inside(x, y) { 230u8 } else { 60 }));
+        let picture = Picture::new(size, pixels.flat_map(|value| [value, value, value, 255]).collect()).unwrap();
+        for kind in [BinaryKind::Orb, BinaryKind::Akaze] {
+            let found = extract_binary(&picture, &[], kind, 50).unwrap();
+            assert!(!found.keypoints.is_empty() && found.keypoints.len() == found.descriptors.len(), "{kind:?}");
+            let middle = found.keypoints.iter().fold([0.0, 0.0], |sum, k| [sum[0] + k.point.x, sum[1] + k.point.y]);
+            let middle = middle.map(|sum| sum / found.keypoints.len() as f64);
+            // The square is the same from all sides, so its features are centred on it: at 80, in corner coordinates.
+            assert!(middle.iter().all(|at| (at - 80.0).abs() < 2.0), "{kind:?} {middle:?}");
+            let left = PixelBox { x: 0.0, y: 0.0, width: 80.0, height: 160.0 };
+            let masked = extract_binary(&picture, &[left], kind, 50).unwrap();
+            assert!(masked.keypoints.iter().all(|keypoint| keypoint.point.x >= 80.0), "{kind:?}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Black bars along the borders of pictures: above and below a wide film, beside a narrow one.
+
+use super::reduced::ReducedPicture;
+use super::standing_graphic::StandingGraphic;
+use touchline_core::geometry::PixelBox;
+
+/// Black after compression, grey levels.
+const BLACK: f32 = 24.0;
+
+/// As much of a row of a bar is black, and a picture that is black all over tells nothing.
+const OF_ROW: f32 = 0.98;
+
+/// A row is of a bar in this share of the pictures,
+const OF_PICTURES: f64 = 0.95;
+
+/// and in this share of them the picture that follows is brighter by so many grey levels: a dark sky ends elsewhere in
+/// each.
+const EDGE_IN: f64 = 0.7;
+const EDGE: f32 = 12.0;
+
+/// A bar takes at most this share of the height or width; a thinner one than this many px of the reduced picture is the border of
+/// the picture.
+const LARGEST: f64 = 0.3;
+const THIN: usize = 2;
+
+/// A border of the picture.
+#[derive(Clone, Copy)]
+enum Border {
+    Top,
+    Bottom,
+    Left,
+    Right,
+}
+
+/// A row beside a border, or a column.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    black: f32,
+    mean: f32,
+}
+
+/// The bars of some pictures of one size, as boxes that are there throughout.
+pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
+    let lit: Vec<&ReducedPicture> = pictures.iter().filter(|picture| is_lit(picture)).collect();
+    let [first, _, ..] = lit[..] else { return Vec::new() };
+    let (width, height) = (f64::from(first.size.width), f64::from(first.size.height));
+    let mut bars = Vec::new();
+    for border in [Border::Top, Border::Bottom, Border::Left, Border::Right] {
+        let Some(rows) = depth(&lit, border) else { continue };
+        // The row of reduced pixels that the bar ends in is partly black.
+        let deep = (first.step * (rows + 1)) as f64;
+        let pixel_box = match border {
+            Border::Top => PixelBox { x: 0.0, y: 0.0, width, height: deep },
+            Border::Bottom => {
+                let y = (first.step * (first.height - rows - 1)) as f64;
+                PixelBox { x: 0.0, y, width, height: height - y }
+            }
+            Border::Left => PixelBox { x: 0.0, y: 0.0, width: deep, height },
+            Border::Right => {
+                let x = (first.step * (first.width - rows - 1)) as f64;
+                PixelBox { x, y: 0.0, width: width - x, height }
+            }
+        };
+        bars.push(StandingGraphic::throughout(pixel_box, pictures.len()));
+    }
+    bars
+}
+
+fn is_lit(picture: &ReducedPicture) -> bool {
+    let black = picture.grey.iter().filter(|grey| **grey < BLACK).count();
+    2 * black < picture.grey.len()
+}
+
+/// How many rows from a border on are black in nearly all pictures and end alike in most; none where there is no bar.
+fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
+    let first = pictures.first()?;
+    let all = match border {
+        Border::Top | Border::Bottom => first.height,
+        Border::Left | Border::Right => first.width,
+    };
+    let most = (LARGEST * all as f64) as usize;
+    let rows: Vec<Vec<Row>> =
+        pictures.iter().map(|picture| (0..most + 3).map(|at| row(picture, border, at)).collect()).collect();
+    let share =
+        |holds: &dyn Fn(&[Row]) -> bool| rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64;
+    let deep = (0..=most).take_while(|&at| share(&|rows| rows[at].black >= OF_ROW) >= OF_PICTURES).count();
+    let ends = share(&|rows| deep > 0 && rows[deep + 1].mean > rows[deep - 1].mean + EDGE);
+    (deep >= THIN && deep <= most && ends >= EDGE_IN).then_some(deep)
+}
+
+/// The `at`-th row, or column, from a border.
+fn row(picture: &ReducedPicture, border: Border, at: usize) -> Row {
+    let (width, height) = (picture.width, picture.height);
+    let (start, step, count) = match border {
+        Border::Top => (at.min(height - 1) * width, 1, width),
+        Border::Bottom => (height.saturating_sub(at + 1) * width, 1, width),
+        Border::Left => (at.min(width - 1), width, height),
+        Border::Right => (width.saturating_sub(at + 1), width, height),
+    };
+    let mut row = Row::default();
+    for grey in picture.grey.iter().skip(start).step_by(step).take(count) {
+        row.mean += grey / count as f32;
+        row.black += f32::from(u8::from(*grey < BLACK)) / count as f32;
+    }
+    row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media::Picture;
+    use touchline_core::geometry::ImageSize;
+
+    const SIZE: ImageSize = ImageSize::new(480, 270);
+
+    /// Grey that changes from picture to picture inside a frame of black, px above, below, left and right.
+    fn picture(number: u32, [above, below, left, right]: [u32; 4]) -> ReducedPicture {
+        let mut rgba = Vec::new();
+        for y in 0..SIZE.height {
+            for x in 0..SIZE.width {
+                let inside = (above..SIZE.height - below).contains(&y) && (left..SIZE.width - right).contains(&x);
+                let grey = if inside { 60 + ((x + y + 17 * number) % 120) as u8 } else { ((x + y) % 5) as u8 };
+                rgba.extend([grey, grey, grey, 255]);
+            }
+        }
+        ReducedPicture::new(&Picture::new(SIZE, rgba).unwrap())
+    }
+
+    fn found(of: &[[u32; 4]]) -> Vec<PixelBox> {
+        let pictures: Vec<ReducedPicture> = (0..).zip(of).map(|(number, bars)| picture(number, *bars)).collect();
+        black_bars(&pictures).iter().map(|bar| bar.pixel_box).collect()
+    }
+
+    #[test]
+    fn bars_are_as_deep_as_they_are() {
+        let [above, below] = found(&[[30, 20, 0, 0]; 5])[..] else { panic!("two bars") };
+        assert_eq!((above.x, above.y, above.width, above.height), (0.0, 0.0, 480.0, 31.0));
+        assert_eq!((below.y, below.width, below.height), (249.0, 480.0, 21.0));
+        let [left, right] = found(&[[0, 0, 60, 60]; 2])[..] else { panic!("two bars") };
+        assert_eq!((left.width, left.height, right.x, right.width), (61.0, 270.0, 419.0, 61.0));
+    }
+
+    #[test]
+    fn a_dark_sky_and_a_black_picture_are_no_bars() {
+        assert_eq!(found(&[[0; 4]; 4]), []);
+        assert_eq!(
+            found(&[[20, 0, 0, 0], [34, 0, 0, 0], [50, 0, 0, 0], [28, 0, 0, 0]]),
+            [],
+            "it ends elsewhere in each"
+        );
+        assert_eq!(found(&[[269, 0, 0, 0]; 4]), [], "black all over");
+        assert_eq!(found(&[[30, 20, 0, 0]]), [], "one picture");
+    }
+}

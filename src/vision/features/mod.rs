@@ -1,0 +1,54 @@
+//! Image features: where a picture has a recognisable patch, and what the patch looks like.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
+//! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
+//! | [`burnt_in`] | what does not move on the screen while the camera moves: score bugs, watermarks, black boxes |
+//! | [`standing_graphics`] | the same by edges, for what has few features: faint watermarks, black boxes and bars, banners that are shown for a while |
+//! | [`has_moved`] | whether the camera moved between two pictures |
+//! | [`FeatureCache`] | features on disk, by picture and settings |
+//! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
+//! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
+//!
+//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without it (see
+//! [`FeatureError::WithoutOpenCv`]). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
+//! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the half pixel. Both
+//! together, a corner coordinate is its number + 0.25; a test with a mirrored picture holds that.
+//!
+//! Frames, signs and units: [`touchline_core::conventions`].
+
+mod binary;
+mod black_bars;
+mod burnt_in;
+mod cache;
+mod camera_views;
+mod descriptor;
+mod displaced;
+mod edge_groups;
+mod error;
+mod extract;
+mod keypoint;
+mod options;
+mod reduced;
+#[cfg(feature = "opencv")]
+mod sift;
+#[cfg(feature = "opencv")]
+mod spread;
+mod standing;
+mod standing_edges;
+mod standing_graphic;
+
+pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
+pub use burnt_in::{BurntIn, BurntInGraphic, burnt_in};
+pub use cache::{FeatureCache, FeatureKey};
+pub(crate) use descriptor::Sketch;
+pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE};
+pub use error::FeatureError;
+pub use extract::extract;
+pub use keypoint::{Features, Keypoint};
+pub use options::{Detector, FeatureOptions};
+pub use reduced::{ReducedPicture, has_moved};
+pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
+pub use standing_edges::standing_graphics;
+pub use standing_graphic::StandingGraphic;

@@ -1,0 +1,156 @@
+//! Pictures reduced in size, their slopes of brightness, and whether the camera moved between two of them.
+
+use crate::media::Picture;
+use touchline_core::geometry::ImageSize;
+
+/// Pictures are reduced to about this width, px.
+const WIDTH: u32 = 480;
+
+/// An edge weaker than this may be noise, grey levels over two px of the reduced picture.
+const LEAST_EDGE: f32 = 4.0;
+
+/// An edge stands in two pictures if the direction that they share makes this share of its strength in each.
+const ALONG: f32 = 0.7;
+
+/// Of the edges of two pictures less than this share stands once a camera has moved by a few px: by chance a third, from frame to
+/// frame of a slow pan four fifths.
+const MOVED: f32 = 0.5;
+
+/// Fewer edges than this share of the reduced picture's pixels tell nothing: a fade, a white-out.
+const FEWEST: f32 = 0.01;
+
+/// How the brightness changes to the right and downwards, grey levels over two px of a reduced picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Slope {
+    pub right: f32,
+    pub down: f32,
+}
+
+impl Slope {
+    pub fn strength(self) -> f32 {
+        self.right.hypot(self.down)
+    }
+
+    pub fn dot(self, other: Self) -> f32 {
+        self.right * other.right + self.down * other.down
+    }
+
+    pub fn times(self, factor: f32) -> Self {
+        Self { right: self.right * factor, down: self.down * factor }
+    }
+
+    pub fn plus(self, other: Self) -> Self {
+        Self { right: self.right + other.right, down: self.down + other.down }
+    }
+
+    /// The same direction, and at most this strength.
+    pub fn capped(self, strength: f32) -> Self {
+        self.times((strength / self.strength().max(f32::MIN_POSITIVE)).min(1.0))
+    }
+
+    /// The direction alone.
+    pub fn unit(self) -> Self {
+        self.times(1.0 / self.strength().max(f32::MIN_POSITIVE))
+    }
+
+    pub fn kind(self) -> EdgeKind {
+        if self.down.abs() > self.right.abs() { EdgeKind::Level } else { EdgeKind::Upright }
+    }
+}
+
+/// Which way an edge runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EdgeKind {
+    Upright,
+    Level,
+}
+
+impl EdgeKind {
+    pub const ALL: [Self; 2] = [Self::Upright, Self::Level];
+}
+
+/// The brightness of a picture, reduced in size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReducedPicture {
+    pub(super) size: ImageSize,
+    /// How many px of the picture one px of the reduced picture is.
+    pub(super) step: usize,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) grey: Vec<f32>,
+}
+
+impl ReducedPicture {
+    /// Reduces a picture by whole steps.
+    #[must_use]
+    pub fn new(picture: &Picture) -> Self {
+        let size = picture.size();
+        let step = (f64::from(size.width) / f64::from(WIDTH)).round().max(1.0) as usize;
+        let (width, height) = (size.width as usize / step, size.height as usize / step);
+        let mut grey = vec![0.0_f32; width * height];
+        let rows = picture.rgba().chunks_exact(4 * size.width as usize);
+        for (row, pixels) in rows.take(height * step).enumerate() {
+            let reduced = &mut grey[row / step * width..][..width];
+            for (column, pixel) in pixels.chunks_exact(4).take(width * step).enumerate() {
+                reduced[column / step] += f32::from(pixel[0]) + 2.0 * f32::from(pixel[1]) + f32::from(pixel[2]);
+            }
+        }
+        let weight = 1.0 / (4 * step * step) as f32;
+        for value in &mut grey {
+            *value *= weight;
+        }
+        Self { size, step, width, height, grey }
+    }
+
+    /// The slope at a pixel away from the borders.
+    pub(super) fn slope(&self, column: usize, row: usize) -> Slope {
+        let at = row * self.width + column;
+        Slope {
+            right: self.grey[at + 1] - self.grey[at - 1],
+            down: self.grey[at + self.width] - self.grey[at - self.width],
+        }
+    }
+}
+
+/// Whether the camera moved between two pictures, whatever else did: less than half of the edges stand where they stood. None for
+/// pictures of two sizes, or without edges.
+#[must_use]
+pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
+    let [upright, level] = count_edges(one, other)?;
+    let all = upright.all + level.all;
+    let tells = all > FEWEST * one.grey.len() as f32;
+    tells.then_some(upright.standing + level.standing < MOVED * all)
+}
+
+/// How many edges of a kind two pictures have, half of those of both, and how many of them stand.
+#[derive(Clone, Copy, Default)]
+pub(super) struct EdgeCount {
+    pub all: f32,
+    pub standing: f32,
+}
+
+/// Of both kinds of edges; none for pictures of two sizes.
+pub(super) fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Option<[EdgeCount; 2]> {
+    if one.size != other.size {
+        return None;
+    }
+    let mut counts = [EdgeCount::default(); 2];
+    for row in 1..one.height.saturating_sub(1) {
+        for column in 1..one.width.saturating_sub(1) {
+            let slopes = [one.slope(column, row), other.slope(column, row)];
+            for slope in slopes.iter().filter(|slope| slope.strength() > LEAST_EDGE) {
+                counts[slope.kind() as usize].all += 0.5;
+            }
+            let shared = slopes[0].plus(slopes[1]);
+            let direction = shared.unit();
+            let stands = |slope: &Slope| {
+                let along = slope.dot(direction);
+                along > LEAST_EDGE && along > ALONG * slope.strength()
+            };
+            if slopes.iter().all(stands) {
+                counts[shared.kind() as usize].standing += 1.0;
+            }
+        }
+    }
+    Some(counts)
+}

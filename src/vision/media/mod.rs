@@ -1,0 +1,44 @@
+//! Where frames come from: folders of images and videos.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`Picture`] | decoded pixels, cheap to clone |
+//! | [`load_image`], [`image_size`], [`list_images`] | image files: PNG, JPEG, TIFF, BMP, WebP; EXIF orientation applied |
+//! | [`Video`], [`VideoInfo`] | frames of a video by their true number (feature `opencv`) |
+//! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
+//! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
+//! | [`letterboxed`] | thumbnails |
+//! | [`Notice`] | remarks for the user about a source that is usable |
+//!
+//! Nothing here starts a thread; the background work is in `jobs`.
+//!
+//! Pixel coordinates of pictures follow [`touchline_core::conventions`].
+
+mod cache;
+mod digest;
+mod error;
+mod folder;
+mod grey;
+mod image_file;
+mod jpeg_end;
+mod notice;
+mod picture;
+mod prefetch;
+mod reader;
+mod source;
+mod thumbnail;
+mod video;
+
+pub use cache::FrameCache;
+pub use digest::{sha256_of_bytes, sha256_of_file};
+pub use error::MediaError;
+pub use folder::{FolderListing, list_images};
+pub(crate) use grey::{GreyPicture, grey_reduced};
+pub use image_file::{ImageLimits, image_size, load_image, load_image_within};
+pub use notice::Notice;
+pub use picture::Picture;
+pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
+pub use reader::{FrameReader, ReadFrames};
+pub use source::{FrameRef, FrameSource};
+pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
+pub use video::{CountProgress, FrameClock, Video, VideoInfo, opencv_version};

@@ -1,0 +1,166 @@
+//! Where the frames of a project come from, and how one of them is named.
+
+use super::folder::has_image_extension;
+use super::{CountProgress, FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images};
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::UNIX_EPOCH;
+
+/// One frame: an image file, or a frame of a video by its number among the decoded frames.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FrameRef {
+    /// An image file.
+    Image(Arc<Path>),
+    /// A frame of a video.
+    Video {
+        /// The video's file.
+        path: Arc<Path>,
+        /// Counts decoded frames from 0, never the container's count.
+        index: usize,
+    },
+}
+
+impl FrameRef {
+    /// The frame that an image file holds.
+    #[must_use]
+    pub fn image(path: impl Into<Arc<Path>>) -> Self {
+        Self::Image(path.into())
+    }
+
+    /// Frame `index`, from 0, of a video.
+    #[must_use]
+    pub fn video(path: impl Into<Arc<Path>>, index: usize) -> Self {
+        Self::Video { path: path.into(), index }
+    }
+
+    /// The file that holds the frame.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Image(path) | Self::Video { path, .. } => path,
+        }
+    }
+
+    /// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length and time of the file do. None
+    /// for an image, and where the file is out of reach.
+    #[must_use]
+    pub fn video_identity(&self) -> Option<String> {
+        let Self::Video { path, index } = self else { return None };
+        let metadata = std::fs::metadata(path).ok()?;
+        let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+        let path = path.canonicalize().ok()?;
+        Some(format!("{}|{}|{}|{index}", path.display(), metadata.len(), modified.as_nanos()))
+    }
+}
+
+impl fmt::Display for FrameRef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Image(path) => write!(f, "{}", path.display()),
+            Self::Video { path, index } => write!(f, "{} frame {index}", path.display()),
+        }
+    }
+}
+
+/// The frames of a project: the images of a folder, or a video.
+#[derive(Clone, Debug)]
+pub enum FrameSource {
+    /// The images of a folder, in natural order, or a single image.
+    Folder(FolderListing),
+    /// A video.
+    Video(VideoInfo),
+}
+
+impl FrameSource {
+    /// Opens a folder of images, a single image or a video. Blocks while a video's frames are counted.
+    ///
+    /// # Errors
+    /// Those of [`list_images`], [`image_size`] and [`Video::open`].
+    pub fn open(path: &Path) -> Result<Self, MediaError> {
+        Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Opens as [`FrameSource::open`] does; `watch` receives the progress of counting a video's frames, and may
+    /// end it.
+    ///
+    /// # Errors
+    /// As [`FrameSource::open`]; [`MediaError::Stopped`] when `watch` ended it.
+    pub fn open_watched(
+        path: &Path,
+        watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+    ) -> Result<Self, MediaError> {
+        if path.is_dir() {
+            Ok(Self::Folder(list_images(path)?))
+        } else if has_image_extension(path) {
+            image_size(path)?;
+            Ok(vec![path.to_path_buf()].into())
+        } else {
+            Ok(Self::Video(Video::open_watched(path, watch)?.info().clone()))
+        }
+    }
+
+    /// How many frames there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Folder(listing) => listing.images.len(),
+            Self::Video(info) => info.decoded_frames,
+        }
+    }
+
+    /// Whether there is no frame at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The frame at a place, from 0; none beyond the last.
+    #[must_use]
+    pub fn frame(&self, index: usize) -> Option<FrameRef> {
+        match self {
+            Self::Folder(listing) => listing.images.get(index).map(|path| FrameRef::image(path.as_path())),
+            Self::Video(info) => {
+                (index < info.decoded_frames).then(|| FrameRef::Video { path: Arc::clone(&info.path), index })
+            }
+        }
+    }
+
+    /// What the user should know, though nothing failed.
+    #[must_use]
+    pub fn notices(&self) -> &[Notice] {
+        match self {
+            Self::Folder(listing) => &listing.notices,
+            Self::Video(info) => &info.notices,
+        }
+    }
+}
+
+/// Images in an order of the caller's.
+impl From<Vec<PathBuf>> for FrameSource {
+    fn from(images: Vec<PathBuf>) -> Self {
+        Self::Folder(FolderListing { images, notices: Vec::new() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_and_a_single_image() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["10.png", "9.png"] {
+            image::RgbImage::new(2, 2).save(folder.path().join(name)).unwrap();
+        }
+        let source = FrameSource::open(folder.path()).unwrap();
+        assert_eq!(source.len(), 2);
+        assert_eq!(source.frame(0), Some(FrameRef::image(folder.path().join("9.png"))));
+        assert_eq!(source.frame(2), None);
+        let single = FrameSource::open(&folder.path().join("10.png")).unwrap();
+        assert_eq!((single.len(), single.is_empty(), single.notices()), (1, false, [].as_slice()));
+        let missing = folder.path().join("11.png");
+        assert_eq!(FrameSource::open(&missing).unwrap_err(), MediaError::Missing { path: missing });
+    }
+}

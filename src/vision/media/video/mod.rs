@@ -1,0 +1,91 @@
+//! Videos: frames by their number among the decoded frames.
+//!
+//! A frame's number counts the frames that decode, from 0. The container's own count is not used: edit lists, cut-off
+//! files and duration-based estimates make it wrong. Every frame is known by its time stamp, so that frame N is the
+//! same picture however it is reached. A damaged frame in the middle of a long video of even rate keeps its number and
+//! is an error when it is asked for.
+
+mod clock;
+
+#[cfg(feature = "opencv")]
+mod capture;
+#[cfg(feature = "opencv")]
+mod comb;
+#[cfg(feature = "opencv")]
+mod decode;
+#[cfg(feature = "opencv")]
+mod known;
+#[cfg(feature = "opencv")]
+mod player;
+#[cfg(feature = "opencv")]
+mod sample_table;
+#[cfg(feature = "opencv")]
+mod survey;
+#[cfg(not(feature = "opencv"))]
+mod without;
+
+pub use clock::FrameClock;
+#[cfg(feature = "opencv")]
+pub use decode::Video;
+#[cfg(not(feature = "opencv"))]
+pub use without::Video;
+
+use super::Notice;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use touchline_core::geometry::ImageSize;
+
+/// The version of the OpenCV that reads videos; none in a program that was built without it.
+#[must_use]
+pub fn opencv_version() -> Option<String> {
+    #[cfg(feature = "opencv")]
+    return opencv::core::get_version_string().ok();
+    #[cfg(not(feature = "opencv"))]
+    return None;
+}
+
+/// What is known about a video once it has been opened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VideoInfo {
+    /// The video's file.
+    pub path: Arc<Path>,
+    /// The size of its frames as they are returned, turned upright, px.
+    pub size: ImageSize,
+    /// By how much the stored frames were turned clockwise to stand upright, degrees: 0, 90, 180 or 270.
+    pub rotation_deg: u32,
+    /// The rate that the container states, frames a second.
+    pub fps: f64,
+    /// The number of frames that the container states.
+    pub stated_frames: usize,
+    /// The number of frames that decode.
+    pub decoded_frames: usize,
+    /// The frames are interlaced: two fields taken one after the other. What is returned is made of the first field alone.
+    pub interlaced: bool,
+    /// When each frame is shown.
+    pub clock: FrameClock,
+    /// What the user should know about this video.
+    pub notices: Vec<Notice>,
+}
+
+impl VideoInfo {
+    /// When a frame is shown, seconds from the stream's start; none beyond the last frame.
+    #[must_use]
+    pub fn pts_s(&self, index: usize) -> Option<f64> {
+        (index < self.decoded_frames).then(|| self.clock.pts_s(index)).flatten()
+    }
+}
+
+/// How far the numbering of a video's frames has come, where every one of them must be visited.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CountProgress {
+    /// The video.
+    pub path: Arc<Path>,
+    /// How many frames have been visited.
+    pub counted: usize,
+    /// How many frames the container states; 0 where it states none.
+    pub stated: usize,
+}
+
+/// Called with how far the numbering of a video's frames has come; may end it.
+type Watch<'a> = &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>;

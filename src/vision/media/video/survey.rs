@@ -1,0 +1,321 @@
+//! Examining a video when it is opened: how many frames decode, when each is shown, how to seek.
+//!
+//! The number of frames follows from the time of the last one, as long as the frames follow each other at one rate.
+//! Two checks establish that: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
+//! because it states the average over all frames; of other files the packets are counted. Where that fails, an MP4's
+//! table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
+
+use super::capture::Capture;
+use super::comb::is_combed;
+use super::player::{Landed, Player};
+use super::sample_table::sample_times_s;
+use super::{CountProgress, FrameClock, VideoInfo, Watch};
+use crate::media::error::open_file;
+use crate::media::image_file::ImageLimits;
+use crate::media::{MediaError, Notice, Picture};
+use std::io::Read;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+/// How many frames at the start are played to see their spacing and to compare jumps with them.
+const LEAD_FRAMES: usize = 32;
+/// The same where a jump needs a run-up of [`PREROLL_FRAMES`].
+const LONG_LEAD_FRAMES: usize = 640;
+/// The run-up of a jump in a container that has no index of its key frames: longer than their usual distance.
+const PREROLL_FRAMES: usize = 300;
+/// How far from the end the search for the last frame begins.
+const TAIL_FRAMES: usize = 64;
+/// How many frames are counted between two reports of progress.
+const COUNT_REPORT_FRAMES: usize = 100;
+/// Of the frames at the end, which are read to count them, every so many-th is looked at for combs.
+const TAIL_LOOK_FRAMES: usize = 16;
+/// The heights of interlaced footage, px: 480i with and without its blanked lines, 576i, 1080i.
+const INTERLACED_HEIGHTS: [u32; 4] = [480, 486, 576, 1080];
+/// Times on a steady rate, s: what is left is the rounding of floating-point numbers.
+const EXACT_S: f64 = 2e-6;
+/// Times on a steady rate in a container that rounds to milliseconds, s.
+const ROUNDED_S: f64 = 6e-4;
+
+/// A surveyed video, ready to be played.
+pub(super) struct Survey {
+    pub(super) info: VideoInfo,
+    pub(super) preroll: usize,
+    pub(super) capture: Capture,
+}
+
+/// How a container stores its frames, by the first bytes of the file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Container {
+    /// MP4 and `QuickTime`: states the exact number of stored frames and their average rate.
+    Mp4,
+    /// Matroska, `WebM` and AVI: indexed by key frames, rate and length are nominal.
+    Indexed,
+    /// Transport streams and the like: no index.
+    Stream,
+}
+
+/// Opens a video and finds out what there is to know.
+pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
+    let container = container_of(path)?;
+    let mut capture = Capture::open(path)?;
+    let size = capture.size();
+    ImageLimits::default().check(path, size.width, size.height)?;
+    let preroll = if container == Container::Stream { PREROLL_FRAMES } else { 0 };
+
+    let lead = play_lead(&mut capture, if preroll > 0 { LONG_LEAD_FRAMES } else { LEAD_FRAMES })?;
+    let Some(first_s) = lead.times_s.first().copied().map(|time_s| time_s.unwrap_or(0.0)) else {
+        return Err(MediaError::NoFrames { path: path.to_path_buf() });
+    };
+    let mut info = VideoInfo {
+        path: Arc::from(path),
+        size: lead.size.unwrap_or(size),
+        rotation_deg: capture.rotation_deg(),
+        fps: capture.fps(),
+        stated_frames: capture.stated_frames(),
+        interlaced: false,
+        decoded_frames: lead.times_s.len(),
+        clock: FrameClock::Even { first_s, fps: capture.fps() },
+        notices: Vec::new(),
+    };
+    let mut player = Player { capture, position: Some(lead.times_s.len() - 1), preroll };
+    let deviation_s = deviation_s(&info.clock, &lead.times_s);
+    let at_the_start = lead.samples.iter().filter(|(_, picture)| may_be_interlaced(&info) && is_combed(picture));
+    let mut combed = at_the_start.count();
+
+    if lead.is_whole {
+        if deviation_s > ROUNDED_S {
+            info.clock = listed(&lead.times_s, first_s, info.fps);
+        }
+    } else {
+        let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
+        // The rate that an MP4 states is the mean of all frames: it has to be that of the first ones exactly.
+        let may_be_even = deviation_s <= if container == Container::Mp4 { EXACT_S } else { ROUNDED_S };
+        let counted = may_be_even.then(|| count_to_the_end(&mut player, &info, &mut combed)).flatten();
+        let is_sure =
+            counted.is_some() && (container == Container::Mp4 || count_packets(path, &mut counter)? == counted);
+        if let Some(count) = counted.filter(|_| is_sure) {
+            info.decoded_frames = count;
+        } else {
+            let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
+                times_s.into_iter().map(Some).collect()
+            } else {
+                let (times_s, capture) = play_through(path, &mut counter)?;
+                player = Player { capture, position: times_s.len().checked_sub(1), preroll };
+                times_s
+            };
+            info.decoded_frames = times_s.len();
+            if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
+                info.clock = listed(&times_s, first_s, info.fps);
+            }
+        }
+    }
+    combed += combed_in_the_middle(&mut player, &info);
+    info.interlaced = combed >= 2;
+    if !jumps_agree(&mut player, &info, &lead.samples) {
+        player.preroll = usize::MAX;
+        info.notices.push(Notice::NoJumping { path: path.to_path_buf() });
+    }
+    add_notices(&mut info, player.capture.pixel_aspect());
+    Ok(Survey { info, preroll: player.preroll, capture: player.capture })
+}
+
+fn add_notices(info: &mut VideoInfo, aspect: f64) {
+    let path = info.path.to_path_buf();
+    if info.stated_frames > 0 && info.stated_frames != info.decoded_frames {
+        let (stated, decoded) = (info.stated_frames, info.decoded_frames);
+        info.notices.push(Notice::FramesStated { path: path.clone(), stated, decoded });
+    }
+    if matches!(info.clock, FrameClock::Listed(_)) {
+        info.notices.push(Notice::UnevenFrameTimes { path: path.clone(), fps: info.fps });
+    }
+    if info.interlaced {
+        info.notices.push(Notice::Interlaced { path: path.clone() });
+    }
+    if (aspect - 1.0).abs() > 1e-3 {
+        info.notices.push(Notice::PixelsNotSquare { path, aspect });
+    }
+}
+
+/// The first frames of a video.
+struct Lead {
+    times_s: Vec<Option<f64>>,
+    /// Two of the frames, to compare jumps with.
+    samples: Vec<(usize, Picture)>,
+    size: Option<touchline_core::geometry::ImageSize>,
+    /// The video has no more frames.
+    is_whole: bool,
+}
+
+fn play_lead(capture: &mut Capture, frames: usize) -> Result<Lead, MediaError> {
+    let mut lead = Lead { times_s: Vec::new(), samples: Vec::new(), size: None, is_whole: false };
+    for index in 0..frames {
+        if !capture.grab() {
+            lead.is_whole = true;
+            break;
+        }
+        lead.times_s.push(capture.time_s());
+        if index == 0 {
+            lead.size = Some(capture.picture(index)?.size());
+        }
+        if index == frames * 2 / 3 || index == frames - 2 {
+            lead.samples.push((index, capture.picture(index)?));
+        }
+    }
+    Ok(lead)
+}
+
+/// The largest distance of a known time from a clock's, s.
+fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
+    let distances =
+        times_s.iter().enumerate().filter_map(|(index, time_s)| Some(((*time_s)? - clock.pts_s(index)?).abs()));
+    distances.fold(0.0, f64::max)
+}
+
+/// A clock from the times of all frames; the last ones, whose times the reader does not know, follow at the stated rate.
+fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
+    let mut last_s = first_s - 1.0 / fps;
+    let mut filled = Vec::with_capacity(times_s.len());
+    for time_s in times_s {
+        last_s = time_s.filter(|&time_s| time_s > last_s).unwrap_or(last_s + 1.0 / fps);
+        filled.push(last_s);
+    }
+    FrameClock::Listed(filled.into())
+}
+
+/// The number of frames, from the number of the last one: found by halving between where frames decode and where they
+/// do not, then by reading to the end. None when the times do not fit one rate. Adds to `combed` how many of the last
+/// frames are made of two fields.
+fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -> Option<usize> {
+    // `good` decodes; `bad` does not, or is so near the end that its time is unknown.
+    let mut good = info.decoded_frames - 1;
+    let mut bad = info.stated_frames.max(good + 1);
+    let mut probe = bad.saturating_sub(TAIL_FRAMES);
+    while probe > good {
+        match player.land_at(info, probe) {
+            Landed::At(landed) => good = landed,
+            Landed::End => bad = probe,
+            Landed::OffBeat => return None,
+        }
+        if bad.saturating_sub(good) <= 2 * TAIL_FRAMES {
+            break;
+        }
+        probe = usize::midpoint(good, bad);
+    }
+    player.go_to(info, good).ok()?;
+    let look = |capture: &mut Capture, index: usize| {
+        if may_be_interlaced(info) && index.is_multiple_of(TAIL_LOOK_FRAMES) {
+            *combed += usize::from(capture.picture(index).is_ok_and(|picture| is_combed(&picture)));
+        }
+    };
+    player.read_to_the_end(info, look).map(|last| last + 1)
+}
+
+/// The number of stored frames, decodable or not, read without decoding; none when they cannot be read so.
+fn count_packets(path: &Path, counter: &mut Counter) -> Result<Option<usize>, MediaError> {
+    let Ok(mut capture) = Capture::open_packets(path) else { return Ok(None) };
+    let mut count = 0;
+    while capture.grab() {
+        count += 1;
+        counter.at(count)?;
+    }
+    Ok(Some(count))
+}
+
+/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those that are looked at
+/// further on are shown just then; none where the table does not say, or not what the frames do.
+fn tabled(
+    path: &Path,
+    container: Container,
+    lead: &Lead,
+    player: &mut Player,
+    info: &VideoInfo,
+) -> Result<Option<Vec<f64>>, MediaError> {
+    /// Frames that are looked at, spread over the video. The last ones do not come after a jump.
+    const LOOKED_AT: usize = 4;
+    let table = if container == Container::Mp4 { sample_times_s(path)? } else { None };
+    let Some(times_s) = table else { return Ok(None) };
+    let clock = FrameClock::Listed(times_s.clone().into());
+    let listed = VideoInfo { clock, decoded_frames: times_s.len(), ..info.clone() };
+    let agree = deviation_s(&listed.clock, &lead.times_s) <= EXACT_S
+        && times_s.len() > lead.times_s.len()
+        && (1..=LOOKED_AT).all(|place| {
+            let index = place * (times_s.len() - 1) / (LOOKED_AT + 1);
+            matches!(player.land_at(&listed, index), Landed::At(_))
+        });
+    Ok(agree.then_some(times_s))
+}
+
+/// The time of every frame, by playing them all.
+fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>, Capture), MediaError> {
+    let mut capture = Capture::open(path)?;
+    let mut times_s = Vec::new();
+    while capture.grab() {
+        times_s.push(capture.time_s());
+        counter.at(times_s.len())?;
+    }
+    Ok((times_s, capture))
+}
+
+/// Reports the progress of a count now and then.
+struct Counter<'a> {
+    path: Arc<Path>,
+    stated: usize,
+    watch: Watch<'a>,
+}
+
+impl Counter<'_> {
+    fn at(&mut self, counted: usize) -> Result<(), MediaError> {
+        if !counted.is_multiple_of(COUNT_REPORT_FRAMES) {
+            return Ok(());
+        }
+        let progress = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
+        match (self.watch)(progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(MediaError::Stopped { path: self.path.to_path_buf() }),
+        }
+    }
+}
+
+/// Whether jumping to frames gives the pictures that playing gave.
+fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture)]) -> bool {
+    samples.iter().rev().all(|(index, played)| {
+        player.position = None;
+        player.go_to(info, *index).is_ok() && player.capture.picture(*index).is_ok_and(|jumped| jumped == *played)
+    })
+}
+
+/// Whether the frames may be interlaced: such footage is only in a few heights.
+fn may_be_interlaced(info: &VideoInfo) -> bool {
+    INTERLACED_HEIGHTS.contains(&info.size.height) && info.rotation_deg.is_multiple_of(180)
+}
+
+/// How many of some frames in the middle are made of two fields: nothing may move where a video begins and ends.
+fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
+    if !may_be_interlaced(info) {
+        return 0;
+    }
+    // Reading on costs little, so that one jump is used for several frames.
+    let places = (info.decoded_frames / 2..info.decoded_frames).step_by(4).take(6);
+    let pictures = places.filter_map(|index| {
+        player.go_to(info, index).ok()?;
+        player.capture.picture(index).ok()
+    });
+    pictures.filter(is_combed).count()
+}
+
+/// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files
+/// and addresses that it holds.
+fn container_of(path: &Path) -> Result<Container, MediaError> {
+    let mut head = Vec::new();
+    open_file(path)?.take(64).read_to_end(&mut head).map_err(|error| MediaError::from_io(path, &error))?;
+    let is_text = head.iter().all(|&byte| byte >= b' ' || byte.is_ascii_whitespace());
+    if is_text && !head.starts_with(b"YUV4MPEG2 ") {
+        return Err(MediaError::NotAVideo { path: path.to_path_buf() });
+    }
+    Ok(match (head.get(..4), head.get(4..8), head.get(8..12)) {
+        (_, Some(b"ftyp" | b"moov" | b"mdat" | b"free" | b"wide" | b"skip"), _) => Container::Mp4,
+        (Some(b"\x1a\x45\xdf\xa3"), ..) | (Some(b"RIFF"), _, Some(b"AVI ")) => Container::Indexed,
+        _ => Container::Stream,
+    })
+}

@@ -1,0 +1,247 @@
+//! Aligns a camera with ridges of paint and with clicks: the problem linearised around one camera, and its robust solution.
+//!
+//! # Problem
+//!
+//! A camera predicts where the field's lines appear. At samples along each predicted line the picture was searched across the line,
+//! and ridges of paint were found at some offsets ([`Sightings`]). Find the small change u of the camera after which the lines lie on
+//! the ridges and the clicks near their landmarks.
+//!
+//! # Method
+//!
+//! A sample measures across its line only; along the line one ridge looks like the next. With the sample's image p, its unit normal n
+//! and the ridge's offset o along n, the residual is
+//!
+//! ```text
+//! r(u) = o − n·(∂p/∂u) u
+//! ```
+//!
+//! as in edge trackers that search along normals (Harris: "Tracking with rigid models", 1992) and in point-to-line ICP (Chen and
+//! Medioni, 1992). With three unknowns each Gauss–Newton step solves a 3 × 3 system. Two things make it robust:
+//!
+//! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the ridge nearest to its line *after
+//!   the step so far*, chosen anew in every iteration.
+//! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that scale shrinks from iteration to
+//!   iteration (graduated non-convexity).
+//!
+//! The picture is not read again between iterations. The linearisation therefore has to hold over the reach of the search;
+//! `snap.rs` repeats search and alignment with a smaller reach around the result.
+
+use super::Sightings;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{Angle, Mat3, Vec3};
+use touchline_core::solve::{Loss, Observation};
+
+/// 1-σ of a ridge's offset on its own, px at 1920 px width.
+const RIDGE_SIGMA_PX: f64 = 0.5;
+
+/// 1-σ of what all samples of a line have in common, px at 1920 px width: paint that does not lie where the rules put it, a base
+/// that is slightly wrong.
+const LINE_SIGMA_PX: f64 = 0.16;
+
+/// The influence of a click stops growing beyond 2 σ.
+const CLICK_LOSS: Loss = Loss::Huber { k: 2.0 };
+
+/// Damping of the normal equations, 1/px²: keeps the step finite where neither ridges nor clicks say anything.
+const DAMPING: f64 = 1e-9;
+
+/// A change of a camera in px: by how much pan and tilt move the centre of the picture, and the focal length its left and right
+/// border. So scaled, the three numbers are of one size, and one distance between steps makes sense.
+pub(super) type StepPx = Vec3;
+
+/// A camera, and the scale of steps around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LinearisedCamera {
+    pub camera: PtzCamera,
+    /// Change of (pan, tilt, log f) per px of a step.
+    ptz_per_px: Vec3,
+}
+
+impl LinearisedCamera {
+    pub fn new(base: &CameraBase, ptz: Ptz, width_px: u32) -> Self {
+        let rad_per_px = 1.0 / ptz.focal_px;
+        let log_focal_per_px = 2.0 / f64::from(width_px);
+        Self { camera: PtzCamera::new(*base, ptz), ptz_per_px: Vec3::new(rad_per_px, rad_per_px, log_focal_per_px) }
+    }
+
+    /// The camera after a step. The focal length changes by a factor of two at most, however far the step leads.
+    pub fn ptz_after(&self, step: &StepPx) -> Ptz {
+        const MAX_LOG_FOCAL: f64 = std::f64::consts::LN_2;
+        let change = step.component_mul(&self.ptz_per_px);
+        let ptz = self.camera.ptz();
+        Ptz {
+            pan: (ptz.pan + Angle::from_radians(change.x)).wrapped(),
+            tilt: ptz.tilt + Angle::from_radians(change.y),
+            focal_px: ptz.focal_px * change.z.clamp(-MAX_LOG_FOCAL, MAX_LOG_FOCAL).exp(),
+        }
+    }
+
+    /// Converts a derivative by (pan rad, tilt rad, focal length px) into one by a step.
+    fn by_step_from_by_ptz(&self, by_ptz: Vec3) -> StepPx {
+        let by_log_focal = by_ptz.z * self.camera.ptz().focal_px;
+        Vec3::new(by_ptz.x, by_ptz.y, by_log_focal).component_mul(&self.ptz_per_px)
+    }
+}
+
+/// The normal equations of a step, Jᵀ W J u = Jᵀ W r; the rows of J are derivatives by the step.
+struct NormalEquations {
+    matrix: Mat3,
+    right: Vec3,
+}
+
+impl NormalEquations {
+    fn with_damping() -> Self {
+        Self { matrix: Mat3::identity() * DAMPING, right: Vec3::zeros() }
+    }
+
+    /// Adds a row of J with its residual and its weight.
+    fn add(&mut self, by_step: &StepPx, residual: f64, weight: f64) {
+        self.matrix += by_step * by_step.transpose() * weight;
+        self.right += by_step * (residual * weight);
+    }
+
+    fn solve(&self) -> Option<StepPx> {
+        Some(self.matrix.try_inverse()? * self.right)
+    }
+}
+
+/// The ridges seen around a camera, ready to be aligned with.
+pub(super) struct RidgeAlignment<'a> {
+    sightings: &'a Sightings,
+    /// n·∂p/∂u of each sample; zero where the sample cannot be seen.
+    by_step: Vec<StepPx>,
+    /// Of each sample's ridge, 1/px².
+    precisions: Vec<f64>,
+}
+
+impl<'a> RidgeAlignment<'a> {
+    /// `scale` is the width of the picture by 1920 px.
+    pub fn new(around: &LinearisedCamera, sightings: &'a Sightings, scale: f64) -> Self {
+        let by_step = sightings.samples.iter().map(|sample| {
+            // A sample that the linearised camera cannot see moves with no step, and so constrains none.
+            let Ok((_, image_by_ptz)) = around.camera.image_from_world_by_ptz(sample.at) else {
+                return StepPx::zeros();
+            };
+            around.by_step_from_by_ptz(image_by_ptz.tr_mul(&sample.normal))
+        });
+        let precisions = sample_sigmas_px(sightings, scale).into_iter().map(|sigma_px| sigma_px.powi(-2));
+        Self { sightings, by_step: by_step.collect(), precisions: precisions.collect() }
+    }
+
+    pub fn num_samples(&self) -> usize {
+        self.by_step.len()
+    }
+
+    /// The signed distance from a sample's line, after a step, to the ridge nearest to it, px; none for a sample without ridges.
+    pub fn residual_px(&self, sample: usize, step: &StepPx) -> Option<f64> {
+        let line_moved_px = self.by_step[sample].dot(step);
+        let ridge = self.sightings.nearest(sample, line_moved_px)?;
+        Some(ridge.offset_px - line_moved_px)
+    }
+
+    /// How many samples have a ridge on their line after a step. Each counts by its distance: 1 on the line, 0 from `within_px` on.
+    pub fn votes(&self, step: &StepPx, within_px: f64) -> f64 {
+        let residuals_px = (0..self.num_samples()).filter_map(|sample| self.residual_px(sample, step));
+        residuals_px.map(|residual_px| (1.0 - (residual_px / within_px).powi(2)).max(0.0)).sum()
+    }
+
+    /// Aligns with the ridges of the samples in `takes_part` and with the clicks, beginning at `step`.
+    ///
+    /// Makes one Gauss–Newton step for each scale of the robust loss; scales go from coarse to fine.
+    pub fn align(
+        &self,
+        mut step: StepPx,
+        loss_scales_px: &[f64],
+        clicks: Option<&ClickAlignment>,
+        takes_part: impl Fn(usize) -> bool,
+    ) -> StepPx {
+        for loss_scale_px in loss_scales_px {
+            let mut equations = NormalEquations::with_damping();
+            if let Some(clicks) = clicks {
+                clicks.add_to(&mut equations, &step);
+            }
+            for sample in (0..self.num_samples()).filter(|sample| takes_part(*sample)) {
+                // The ridge nearest to where the step so far has brought the line.
+                let Some(residual_px) = self.residual_px(sample, &step) else { continue };
+                let geman_mcclure = (1.0 + (residual_px / loss_scale_px).powi(2)).powi(2);
+                equations.add(&self.by_step[sample], residual_px, self.precisions[sample] / geman_mcclure);
+            }
+            if let Some(change) = equations.solve() {
+                step += change;
+            }
+        }
+        step
+    }
+}
+
+/// 1-σ of every sample's ridge, px. The samples of a line share its error (see [`ridge_sigma_px`]).
+pub(super) fn sample_sigmas_px(sightings: &Sightings, scale: f64) -> Vec<f64> {
+    let num_lines = sightings.samples.iter().map(|sample| sample.line + 1).max().unwrap_or(0);
+    let mut ridges_of_line = vec![0_u32; num_lines];
+    for (index, sample) in sightings.samples.iter().enumerate() {
+        ridges_of_line[sample.line] += u32::from(!sightings.ridges_at(index).is_empty());
+    }
+    sightings.samples.iter().map(|sample| ridge_sigma_px(ridges_of_line[sample.line], scale)).collect()
+}
+
+/// 1-σ of one of `count` ridges of a line, px, if they are treated as independent.
+///
+/// Their errors have a part of their own, σ, and a part τ that is common to the line. The mean of n such ridges has the variance
+/// σ²/n + τ². Independent ridges of variance σ² + n τ² have the same mean and the same variance of it, so a line with many samples
+/// does not count for more than its common error allows, and no covariance matrix is needed.
+pub(super) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
+    (RIDGE_SIGMA_PX.powi(2) + f64::from(count) * LINE_SIGMA_PX.powi(2)).sqrt() * scale
+}
+
+/// Clicks, linearised around a camera.
+pub(super) struct ClickAlignment {
+    rows: Vec<ClickRow>,
+}
+
+/// One equation of a click: two for a landmark, one for a line.
+struct ClickRow {
+    by_step: StepPx,
+    /// From where the camera predicts the click to where it is.
+    offset_px: f64,
+    sigma_px: f64,
+}
+
+impl ClickRow {
+    fn residual_px(&self, step: &StepPx) -> f64 {
+        self.offset_px - self.by_step.dot(step)
+    }
+}
+
+impl ClickAlignment {
+    /// Check clicks are left out, and so are clicks whose landmark or line the camera cannot see.
+    pub fn new(around: &LinearisedCamera, clicks: &[Observation]) -> Self {
+        let mut rows = Vec::with_capacity(2 * clicks.len());
+        for click in clicks.iter().filter(|click| !click.check) {
+            let Some((predicted_minus_click_px, by_ptz)) = click.shape.residual_by_ptz(&around.camera, click.image)
+            else {
+                continue;
+            };
+            for axis in 0..click.equations() {
+                rows.push(ClickRow {
+                    by_step: around.by_step_from_by_ptz(by_ptz.row(axis).transpose()),
+                    offset_px: -predicted_minus_click_px[axis],
+                    sigma_px: click.sigma_px,
+                });
+            }
+        }
+        Self { rows }
+    }
+
+    fn add_to(&self, equations: &mut NormalEquations, step: &StepPx) {
+        for row in &self.rows {
+            let residual_px = row.residual_px(step);
+            let (_, loss_weight) = CLICK_LOSS.of((residual_px / row.sigma_px).powi(2));
+            equations.add(&row.by_step, residual_px, loss_weight * row.sigma_px.powi(-2));
+        }
+    }
+
+    /// Whether a step takes no click farther from its landmark or line than `sigmas` beyond its present distance.
+    pub fn allows(&self, step: &StepPx, sigmas: f64) -> bool {
+        let is_allowed = |row: &ClickRow| row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs();
+        self.rows.iter().all(is_allowed)
+    }
+}

@@ -1,0 +1,34 @@
+//! The directions of lines in a picture, told apart in a few steps.
+
+use touchline_core::geometry::Vec2;
+
+/// How many directions are told apart, over half a turn.
+pub(super) const DIRECTIONS: usize = 8;
+
+/// The direction of a normal, from x towards y, in steps of half a turn by [`DIRECTIONS`].
+pub(super) fn direction_of(normal: Vec2) -> usize {
+    let steps = (normal.y.atan2(normal.x) / std::f64::consts::PI * DIRECTIONS as f64).round() as i32;
+    steps.rem_euclid(DIRECTIONS as i32) as usize
+}
+
+/// A direction and its two neighbours.
+pub(super) fn with_neighbours(direction: usize) -> [usize; 3] {
+    [DIRECTIONS - 1, 0, 1].map(|turn| (direction + turn) % DIRECTIONS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_normal_and_its_opposite_are_one_direction() {
+        for step in 0..32 {
+            let (y, x) = (f64::from(step) * 0.2 + 0.05).sin_cos();
+            let direction = direction_of(Vec2::new(x, y));
+            assert_eq!(direction, direction_of(Vec2::new(-x, -y)));
+            assert!(with_neighbours(direction).contains(&direction));
+        }
+        assert_eq!((direction_of(Vec2::new(1.0, 0.01)), direction_of(Vec2::new(0.0, 1.0))), (0, 4));
+        assert_eq!(with_neighbours(0), [7, 0, 1]);
+    }
+}

@@ -1,0 +1,76 @@
+//! A picture made ready for finding paint.
+
+use super::Surface;
+use super::surface::GroundPart;
+use crate::media::{GreyPicture, Picture, grey_reduced};
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
+
+/// A picture, its brightness, the colours of its ground, and the boxes that hide it.
+#[derive(Clone, Debug)]
+pub struct GroundPicture {
+    picture: Picture,
+    grey: GreyPicture,
+    surface: Surface,
+    masks: Vec<PixelBox>,
+}
+
+impl GroundPicture {
+    /// A picture whose pixels within `masks` (px) show no ground: graphics, score bugs.
+    #[must_use]
+    pub fn new(picture: &Picture, masks: &[PixelBox]) -> Self {
+        Self {
+            picture: picture.clone(),
+            grey: grey_reduced(picture, 1),
+            surface: Surface::of(picture),
+            masks: masks.to_vec(),
+        }
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub const fn size(&self) -> ImageSize {
+        self.picture.size()
+    }
+
+    /// The colours of the ground.
+    #[must_use]
+    pub const fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// The picture.
+    pub(super) const fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    /// The brightness.
+    pub(super) const fn grey(&self) -> &GreyPicture {
+        &self.grey
+    }
+
+    /// Whether the pixel at a point has one of the ground's colours; never outside the picture.
+    #[must_use]
+    pub fn is_ground(&self, at: ImagePoint) -> bool {
+        self.part(at).is_some()
+    }
+
+    /// Which part of the ground the pixel at a point belongs to; none outside the picture.
+    pub(super) fn part(&self, at: ImagePoint) -> Option<GroundPart> {
+        if !(at.x >= 0.0 && at.y >= 0.0) {
+            return None;
+        }
+        let [red, green, blue, _] = self.picture.pixel(at.x as u32, at.y as u32)?;
+        self.surface.part([red, green, blue])
+    }
+
+    /// The boxes that hide it, px.
+    pub(super) fn masks(&self) -> &[PixelBox] {
+        &self.masks
+    }
+
+    /// Whether a point lies in one of the masks.
+    #[must_use]
+    pub fn is_masked(&self, at: ImagePoint) -> bool {
+        self.masks.iter().any(|mask| mask.contains(at))
+    }
+}

@@ -1,0 +1,119 @@
+//! What a picture shows where a camera predicts paint.
+
+use super::GroundPicture;
+use super::across::{Across, Ridge};
+use super::ridge::RidgeFinder;
+use super::surface::GroundPart;
+use std::ops::Range;
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
+use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
+
+/// A place shows bare ground if at least this share of the pixels across it have the ground's colours.
+const BARE: f64 = 0.75;
+
+/// What is seen at one sample of a line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Seen {
+    /// Ridges, by their places in [`Sightings::ridges`].
+    Paint(Range<usize>),
+    /// Ground without paint.
+    Bare,
+    /// Neither: a player, a board, a graphic.
+    Hidden,
+}
+
+/// What a picture shows at every sample of the lines.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sightings {
+    /// Where paint is predicted.
+    pub samples: Vec<LineSample>,
+    /// What is seen at each.
+    pub seen: Vec<Seen>,
+    /// All ridges, those of one sample in order of their offset.
+    pub ridges: Vec<Ridge>,
+}
+
+/// How closely a picture is looked at, px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::struct_field_names, reason = "each name ends with its unit")]
+pub(super) struct Look {
+    /// How far on both sides of a predicted line paint is looked for.
+    pub reach_px: f64,
+    /// The distance between neighbouring samples of a line.
+    pub spacing_px: f64,
+    /// The distance between the places across a line at which the brightness is read.
+    pub step_px: f64,
+}
+
+impl Sightings {
+    /// Looks for the paint that a camera predicts.
+    #[must_use]
+    pub(super) fn of(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera, look: Look) -> Self {
+        let options = SampleOptions { spacing_px: look.spacing_px, ..SampleOptions::default() };
+        let samples = sample_lines(field, camera, ground.size(), &options);
+        let mut finder = RidgeFinder::default();
+        let mut ridges = Vec::new();
+        let seen = samples
+            .iter()
+            .map(|sample| {
+                if ground.is_masked(sample.image) {
+                    return Seen::Hidden;
+                }
+                let across = Across::from(sample);
+                let first = ridges.len();
+                finder.find(ground, &across, look.reach_px, look.step_px, &mut ridges);
+                if ridges.len() > first {
+                    Seen::Paint(first..ridges.len())
+                } else if is_bare(ground, &across, look.reach_px) {
+                    Seen::Bare
+                } else {
+                    Seen::Hidden
+                }
+            })
+            .collect();
+        Self { samples, seen, ridges }
+    }
+
+    /// The ridges at a sample.
+    #[must_use]
+    pub fn ridges_at(&self, sample: usize) -> &[Ridge] {
+        match &self.seen[sample] {
+            Seen::Paint(range) => &self.ridges[range.clone()],
+            Seen::Bare | Seen::Hidden => &[],
+        }
+    }
+
+    /// The ridge at a sample that is nearest to an offset from its middle, px.
+    #[must_use]
+    pub fn nearest(&self, sample: usize, offset_px: f64) -> Option<&Ridge> {
+        let distance = |ridge: &Ridge| (ridge.offset_px - offset_px).abs();
+        self.ridges_at(sample).iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// How many samples show bare ground.
+    #[must_use]
+    pub fn bare(&self) -> usize {
+        self.seen.iter().filter(|seen| **seen == Seen::Bare).count()
+    }
+}
+
+/// Narrower lines are hardly seen where an area painted on a floor ends, px.
+const SEEN_AT_BORDERS_PX: f64 = 1.5;
+
+/// Whether the ground lies open on both sides of a predicted line, and no paint on it.
+fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
+    const STEP_PX: usize = 2;
+    let reach = (reach_px + across.width_px).ceil() as i32;
+    let (mut all, mut bare, mut areas) = (0_u32, 0_u32, 0_u32);
+    for offset in (-reach..=reach).step_by(STEP_PX) {
+        all += 1;
+        match ground.part(across.point(f64::from(offset))) {
+            Some(GroundPart::Bare) => bare += 1,
+            Some(GroundPart::Area) => areas += 1,
+            None => {}
+        }
+    }
+    let open = if across.width_px >= SEEN_AT_BORDERS_PX { bare + areas } else { bare.max(areas) };
+    f64::from(open) >= BARE * f64::from(all)
+}

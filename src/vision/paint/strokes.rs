@@ -1,0 +1,513 @@
+//! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground on both sides, or darker where
+//! that is a floor.
+//!
+//! A stroke is where the blurred brightness, cut across the direction in which it bends most, has its maximum (Steger, "An unbiased
+//! detector of curvilinear structures", PAMI 1998), and its middle lies between the two edges of the paint.
+
+use super::GroundPicture;
+use super::ground_area::{GroundArea, parts};
+use super::profile::Profile;
+use crate::media::{GreyPicture, Picture};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
+
+/// How far beside a stroke the ground is compared with it, px: the nearest suits thin lines, the farthest those near the
+/// camera.
+const SIDES_PX: [f64; 3] = [4.0, 8.0, 14.0];
+
+/// Paint is brighter than the ground on both sides by at least this many grey levels, and by this share.
+const MIN_CONTRAST: f64 = 4.5;
+const MIN_CONTRAST_SHARE: f64 = 0.045;
+
+/// The ground is asked for its colour this far beside a stroke, px; one of them is enough.
+const COLOURS_PX: [f64; 3] = [8.0, 10.0, 12.0];
+
+/// The picture is blurred with this standard deviation before its curvature is taken, px.
+const BLUR_PX: f32 = 2.0;
+
+/// The brightness of the blurred picture bends at least as much across a stroke, grey levels / px².
+const MIN_BEND: f32 = 0.25;
+
+/// Along a stroke it bends at most by this share of that.
+const MAX_BEND_ALONG: f32 = 0.6;
+
+/// A stroke is at least this long, px at 1920 px width, but for the pixels that its ends add.
+const MIN_LENGTH_PX: f64 = 28.0;
+
+/// In smaller pictures it is at least this long, px: the blur draws out the grain of the ground to shorter strokes.
+const GRAIN_PX: f64 = 20.0;
+
+/// A place on a stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StrokePoint {
+    /// The middle of the stroke, px of the picture.
+    pub at: ImagePoint,
+    /// The unit vector across the stroke.
+    pub normal: Vec2,
+    /// How long the stroke is from end to end, px.
+    pub length_px: f64,
+}
+
+/// The strokes of a picture, and where it shows ground.
+#[derive(Clone, Debug)]
+pub struct Strokes {
+    /// Places on strokes, row by row.
+    pub points: Vec<StrokePoint>,
+    cells: Cells,
+}
+
+/// What a picture shows at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// A stroke, within a few px.
+    Stroke,
+    /// Ground without paint.
+    Ground,
+    /// Something else, or nothing: it lies outside.
+    Other,
+}
+
+impl Strokes {
+    /// The strokes of a picture.
+    #[must_use]
+    pub fn of(ground: &GroundPicture) -> Self {
+        let size = ground.size();
+        let area = GroundArea::of(ground);
+        let mut cells = Cells::new(size);
+        for row in 0..cells.rows {
+            for column in 0..cells.columns {
+                if area.holds(column * CELL_PX, row * CELL_PX) {
+                    cells.flags[row * cells.columns + column] |= GROUND;
+                }
+            }
+        }
+        let ridges = ridges(ground, &area);
+        let points = long_ones(&ridges, size, ground.surface().is_turf());
+        for point in &points {
+            cells.mark_stroke(point.at);
+        }
+        Self { points, cells }
+    }
+
+    /// What the picture shows at a point, px.
+    #[must_use]
+    pub fn shown(&self, at: ImagePoint) -> Shown {
+        match self.cells.at(at) {
+            flags if flags & STROKE != 0 => Shown::Stroke,
+            flags if flags & GROUND != 0 => Shown::Ground,
+            _ => Shown::Other,
+        }
+    }
+
+    /// Columns and rows of the picture.
+    #[must_use]
+    pub const fn size(&self) -> ImageSize {
+        self.cells.size
+    }
+}
+
+/// The middle of a stroke in one pixel.
+struct RidgePixel {
+    index: usize,
+    at: ImagePoint,
+    normal: Vec2,
+    colours: Colours,
+}
+
+/// The colours of a stroke and of the ground beside it, red, green and blue, summed over places.
+#[derive(Clone, Copy, Debug, Default)]
+struct Colours {
+    stroke: [f64; 3],
+    ground: [f64; 3],
+}
+
+impl Colours {
+    /// At the middle of a stroke, the ground taken `side_px` beside it.
+    fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
+        let colour = |at: ImagePoint| {
+            let pixel = picture.pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32).unwrap_or_default();
+            [0, 1, 2].map(|channel| f64::from(pixel[channel]))
+        };
+        let (one, other) = (colour(at.moved(normal * side_px)), colour(at.moved(normal * -side_px)));
+        Self { stroke: colour(at), ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])) }
+    }
+
+    fn add(&mut self, other: &Self) {
+        for channel in 0..3 {
+            self.stroke[channel] += other.stroke[channel];
+            self.ground[channel] += other.ground[channel];
+        }
+    }
+
+    /// Whether the stroke is turf that is brighter than that beside it, as a stripe of mowing seen from far away is: what it adds
+    /// has the green of the ground. White paint adds less green than red and blue, yellow paint hardly any blue.
+    fn are_of_brighter_turf(&self) -> bool {
+        /// Painted lines on a drawn match had at most .1 of the ground's green in what they add, stripes .44 and more.
+        const GREEN: f64 = 0.35;
+        /// By so much of what it adds yellow paint has more red than blue.
+        const YELLOW: f64 = 0.35;
+        let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
+        let green = |[red, green, blue]: [f64; 3]| (green - f64::midpoint(red, blue)) / (red + green + blue);
+        let [red, _, blue] = added;
+        let all: f64 = added.iter().sum();
+        all > 0.0
+            && green(self.ground) > 0.0
+            && green(added) > GREEN * green(self.ground)
+            && (red - blue) / all < YELLOW
+    }
+}
+
+/// Whether a stroke is brighter than the ground or darker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tone {
+    Bright,
+    Dark,
+}
+
+impl Tone {
+    /// By which the brightness is multiplied so that strokes are bright.
+    const fn sign(self) -> f32 {
+        match self {
+            Self::Bright => 1.0,
+            Self::Dark => -1.0,
+        }
+    }
+}
+
+/// The middles of all strokes, row by row.
+fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
+    let (width, height) = (ground.size().width as usize, ground.size().height as usize);
+    let smooth = blurred(ground.grey());
+    let tones: &[Tone] = if ground.surface().is_turf() { &[Tone::Bright] } else { &[Tone::Bright, Tone::Dark] };
+    let mut found = Vec::new();
+    let mut profile = Profile::default();
+    for y in 1..height.saturating_sub(1) {
+        for x in 1..width.saturating_sub(1) {
+            if !area.is_near(x, y) {
+                continue;
+            }
+            let index = y * width + x;
+            for tone in tones {
+                let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else { continue };
+                let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
+                let at = match tone {
+                    Tone::Bright => brightest(ground.grey(), at, normal),
+                    Tone::Dark => at,
+                };
+                let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else { continue };
+                if !has_ground_beside(area, at, normal) {
+                    continue;
+                }
+                let at = match tone {
+                    Tone::Bright => between_edges(&mut profile, ground.grey(), at, normal, side_px),
+                    Tone::Dark => at,
+                };
+                let colours = Colours::at(ground.picture(), at, normal, side_px);
+                found.push(RidgePixel { index, at, normal, colours });
+            }
+        }
+    }
+    found
+}
+
+/// The direction across a stroke at a pixel, and how far along it the middle lies, px; none where that is in another pixel
+/// or the picture does not bend like a stroke.
+fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
+    let sign = tone.sign();
+    let at = |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
+    let (centre, left, right, above, below) = (at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1));
+    let (xx, yy) = (left - 2.0 * centre + right, above - 2.0 * centre + below);
+    if xx + yy > -MIN_BEND * (1.0 - MAX_BEND_ALONG) {
+        return None;
+    }
+    let (x, y) = (0.5 * (right - left), 0.5 * (below - above));
+    let xy = 0.25 * (at(1, 1) - at(-1, 1) - at(1, -1) + at(-1, -1));
+    let (mean, spread) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+    let (across, along) = (mean - spread, mean + spread);
+    if across > -MIN_BEND || along.abs() > MAX_BEND_ALONG * across.abs() {
+        return None;
+    }
+    // The eigenvector of the greater bend.
+    let turn = 0.5 * (2.0 * xy).atan2(xx - yy) + std::f32::consts::FRAC_PI_2;
+    let (normal_y, normal_x) = turn.sin_cos();
+    let beside = -(x * normal_x + y * normal_y) / across;
+    let within = (beside * normal_x).abs() <= 0.6 && (beside * normal_y).abs() <= 0.6;
+    within.then(|| (Vec2::new(f64::from(normal_x), f64::from(normal_y)), f64::from(beside)))
+}
+
+/// The brightest place beside the maximum of the blurred brightness: paint 1 px wide lies beside that where a stripe of mowing ends.
+fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
+    const STEP_PX: f64 = 0.5;
+    const STEPS: i32 = 3;
+    // The nearest of equally bright ones.
+    let beside = (0..=STEPS).flat_map(|step| [step, -step]).map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
+    let with_grey = beside.map(|at| (grey.at(at), at));
+    with_grey.reduce(|best, next| if next.0 > best.0 { next } else { best }).map_or(at, |(_, at)| at)
+}
+
+/// The middle between the edges of bright paint, with ground `side_px` beside it. Stripes of mowing end where lines are painted, and
+/// the blurred brightness has its maximum on the brighter side, by 1.5 px where the paint is 1 px wide; the edges, each halfway
+/// between the paint and its own ground, stay where they are.
+fn between_edges(profile: &mut Profile, grey: &GreyPicture, at: ImagePoint, normal: Vec2, side_px: f64) -> ImagePoint {
+    const STEP_PX: f64 = 0.5;
+    /// The paint is at its brightest this near to the maximum of the blurred brightness, px.
+    const BESIDE_PX: f64 = 3.0;
+    profile.read(grey, at, normal, 2.0 * side_px, STEP_PX);
+    let middle = profile.len() / 2;
+    let (side, beside) = (profile.places(side_px), profile.places(BESIDE_PX).unsigned_abs());
+    let near = middle.saturating_sub(beside)..=(middle + beside).min(profile.len() - 1);
+    let Some(brightest) = near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other))) else {
+        return at;
+    };
+    let (before, behind) = (profile.mean(middle, -2 * side, -side), profile.mean(middle, side, 2 * side));
+    let edge = |direction: isize, ground: f64| {
+        profile.falls_below(brightest, direction, f64::midpoint(profile.grey(brightest), ground), 2.0 * side_px)
+    };
+    match (edge(-1, before), edge(1, behind)) {
+        (Some(from), Some(to)) => at.moved(normal * profile.offset_px(f64::midpoint(from, to))),
+        _ => at,
+    }
+}
+
+/// How far beside a place the ground on both sides is darker, or brighter, than there, px.
+fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Option<f64> {
+    let here = grey.at(at);
+    SIDES_PX.into_iter().find(|side_px| {
+        let (one, other) = (grey.at(at.moved(normal * *side_px)), grey.at(at.moved(normal * -side_px)));
+        let (stands_out, brighter) = match tone {
+            Tone::Bright => (here - one.max(other), one.max(other)),
+            Tone::Dark => (one.min(other) - here, one.max(other)),
+        };
+        stands_out > MIN_CONTRAST.max(MIN_CONTRAST_SHARE * brighter)
+    })
+}
+
+/// Whether the ground's colours lie on both sides of a place; on one side near the border of the ground.
+fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
+    let side =
+        |sign: f64| COLOURS_PX.into_iter().any(|beside_px| area.is_of_ground(at.moved(normal * (sign * beside_px))));
+    match (side(1.0), side(-1.0)) {
+        (true, true) => true,
+        (false, false) => false,
+        _ => area.is_near_border(at),
+    }
+}
+
+/// Places on strokes that are long enough, row by row; on turf without those of brighter turf.
+fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<StrokePoint> {
+    let (width, height) = (size.width as usize, size.height as usize);
+    // Strokes are joined over gaps of two pixels.
+    let mut set = vec![false; width * height];
+    for ridge in ridges {
+        let (x, y) = (ridge.index % width, ridge.index / width);
+        for y in y.saturating_sub(1)..(y + 2).min(height) {
+            set[y * width + x.saturating_sub(1)..y * width + (x + 2).min(width)].fill(true);
+        }
+    }
+    let mut of_part = vec![0_usize; width * height];
+    let mut strokes: Vec<(f64, Colours)> = Vec::new();
+    for part in parts(&set, width) {
+        let extent = |of: &dyn Fn(usize) -> usize| {
+            let (least, most) = part
+                .iter()
+                .map(|&index| of(index))
+                .fold((usize::MAX, 0), |(least, most), at| (least.min(at), most.max(at)));
+            (most - least) as f32
+        };
+        let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
+        for index in part {
+            of_part[index] = strokes.len();
+        }
+        strokes.push((f64::from(length), Colours::default()));
+    }
+    for ridge in ridges {
+        strokes[of_part[ridge.index]].1.add(&ridge.colours);
+    }
+    let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
+    let is_paint: Vec<bool> = strokes
+        .iter()
+        .map(|(length_px, colours)| *length_px > least_px && !(is_turf && colours.are_of_brighter_turf()))
+        .collect();
+    let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
+    painted
+        .map(|ridge| StrokePoint { at: ridge.at, normal: ridge.normal, length_px: strokes[of_part[ridge.index]].0 })
+        .collect()
+}
+
+/// The brightness, blurred by [`BLUR_PX`].
+fn blurred(grey: &GreyPicture) -> Vec<f32> {
+    let (width, height) = (grey.size.width as usize, grey.size.height as usize);
+    let reach = (3.0 * BLUR_PX).ceil() as isize;
+    let weight = |offset: isize| (-0.5 * (offset as f32 / BLUR_PX).powi(2)).exp();
+    let sum: f32 = (-reach..=reach).map(weight).sum();
+    let kernel: Vec<f32> = (-reach..=reach).map(|offset| weight(offset) / sum).collect();
+    let clamped =
+        |at: usize, step: usize, last: usize| (at as isize + step as isize - reach).clamp(0, last as isize) as usize;
+    let mut across = vec![0.0_f32; width * height];
+    for (row, out) in grey.values.chunks_exact(width.max(1)).zip(across.chunks_exact_mut(width.max(1))) {
+        let padded: Vec<f32> =
+            (0..width + 2 * reach as usize).map(|at| f32::from(row[clamped(at, 0, width - 1)])).collect();
+        for (step, weight) in kernel.iter().enumerate() {
+            for (out, value) in out.iter_mut().zip(&padded[step..]) {
+                *out += weight * value;
+            }
+        }
+    }
+    let mut both = vec![0.0_f32; width * height];
+    for (y, out) in both.chunks_exact_mut(width.max(1)).enumerate() {
+        for (step, weight) in kernel.iter().enumerate() {
+            let from = clamped(y, step, height - 1) * width;
+            for (out, value) in out.iter_mut().zip(&across[from..from + width]) {
+                *out += weight * value;
+            }
+        }
+    }
+    both
+}
+
+/// The side of a cell, px.
+const CELL_PX: usize = 2;
+const GROUND: u8 = 1;
+const STROKE: u8 = 2;
+
+/// What a picture shows, cell by cell.
+#[derive(Clone, Debug)]
+struct Cells {
+    size: ImageSize,
+    columns: usize,
+    rows: usize,
+    flags: Vec<u8>,
+}
+
+impl Cells {
+    fn new(size: ImageSize) -> Self {
+        let (columns, rows) = ((size.width as usize).div_ceil(CELL_PX), (size.height as usize).div_ceil(CELL_PX));
+        Self { size, columns, rows, flags: vec![0; columns * rows] }
+    }
+
+    fn at(&self, at: ImagePoint) -> u8 {
+        if !self.size.contains(at) {
+            return 0;
+        }
+        let (column, row) = (at.x as usize / CELL_PX, at.y as usize / CELL_PX);
+        self.flags[row.min(self.rows - 1) * self.columns + column.min(self.columns - 1)]
+    }
+
+    /// Marks the cells around a place on a stroke.
+    fn mark_stroke(&mut self, at: ImagePoint) {
+        const REACH: usize = 2;
+        let (column, row) = (at.x as usize / CELL_PX, at.y as usize / CELL_PX);
+        for row in row.saturating_sub(REACH)..(row + REACH + 1).min(self.rows) {
+            for column in column.saturating_sub(REACH)..(column + REACH + 1).min(self.columns) {
+                self.flags[row * self.columns + column] |= STROKE;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::drawn::{PICTURE, SIZE, soccer, truth};
+    use super::*;
+    use std::collections::BTreeSet;
+    use touchline_core::geometry::{Vec3, median};
+    use touchline_core::markings::{SampleOptions, sample_lines};
+
+    #[test]
+    fn strokes_are_the_painted_lines_and_nothing_else() {
+        let (field, camera) = (soccer(), truth());
+        let strokes = Strokes::of(&GroundPicture::new(&PICTURE, &[]));
+        let samples = sample_lines(&field, &camera, SIZE, &SampleOptions { spacing_px: 4.0, border_px: 20.0 });
+        let seen = samples.iter().filter(|sample| strokes.shown(sample.image) == Shown::Stroke).count();
+        assert!(seen as f64 > 0.85 * samples.len() as f64, "{seen} of {}", samples.len());
+        // The mowing stripes go on behind the field, where they are as thin as paint.
+        let on_field = |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.4 * field.width_m;
+        let from_paint_m = |at: Vec3| {
+            let lines = field.lines.iter().filter(|line| line.painted);
+            lines.map(|line| line.paint_centre.distance_m(at)).fold(f64::INFINITY, f64::min)
+        };
+        let places = strokes.points.iter().filter_map(|point| camera.plane_from_image(point.at, 0.0)).filter(on_field);
+        let distances_m: Vec<f64> = places.map(from_paint_m).collect();
+        let right = distances_m.iter().filter(|distance_m| **distance_m < 0.4).count();
+        assert!(right as f64 > 0.9 * distances_m.len() as f64, "{right} of {}", distances_m.len());
+        assert_eq!(strokes.shown(ImagePoint::new(-3.0, 5.0)), Shown::Other);
+    }
+
+    /// Turf in two stripes of mowing with a painted line between them through the middle of the picture, and the normal of the line.
+    fn line_between_stripes(angle_deg: f64, width_px: f64, stripes: [f64; 2]) -> (GroundPicture, ImagePoint, Vec2) {
+        let size = ImageSize::new(160, 120);
+        let (middle, normal) =
+            (ImagePoint::new(80.3, 60.1), Vec2::new(angle_deg.to_radians().cos(), angle_deg.to_radians().sin()));
+        // An edge with the blur of a lens.
+        let beyond = |off_px: f64| 1.0 / (1.0 + (-off_px / 0.4).exp());
+        let green = |x: u32, y: u32| {
+            let off_px = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5).offset_from(middle).dot(&normal);
+            let paint = beyond(off_px + 0.5 * width_px) - beyond(off_px - 0.5 * width_px);
+            let ground = stripes[0] + (stripes[1] - stripes[0]) * beyond(off_px);
+            (ground, paint)
+        };
+        let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))).flat_map(|(x, y)| {
+            let (ground, paint) = green(x, y);
+            let channel = |share: f64| (ground * share * (1.0 - paint) + 220.0 * paint) as u8;
+            [channel(0.6), channel(1.2), channel(0.4), 255]
+        });
+        (GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[]), middle, normal)
+    }
+
+    #[test]
+    fn the_middle_of_a_stroke_stays_where_a_stripe_of_mowing_ends_there() {
+        for angle_deg in [0.0, 25.0, 90.0, 160.0] {
+            for width_px in [1.2, 2.5, 5.0, 9.0] {
+                for stripes in [[85.0, 85.0], [80.0, 105.0], [105.0, 80.0]] {
+                    let (ground, middle, normal) = line_between_stripes(angle_deg, width_px, stripes);
+                    let points = Strokes::of(&ground).points;
+                    assert!(points.len() > 40, "{angle_deg}°, {width_px} px, {stripes:?}: {} places", points.len());
+                    let mut off_px: Vec<f64> =
+                        points.iter().map(|point| point.at.offset_from(middle).dot(&normal)).collect();
+                    let median_px = median(&mut off_px).unwrap();
+                    assert!(median_px.abs() < 0.2, "{angle_deg}°, {width_px} px, {stripes:?}: {median_px:.2} px off");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_thin_stroke_has_no_gaps_where_a_stripe_of_mowing_ends_there() {
+        for angle_deg in [82.0, 86.0, 98.0] {
+            for width_px in [0.5, 0.8, 1.2] {
+                for stripes in [[80.0, 100.0], [100.0, 75.0], [125.0, 90.0]] {
+                    let (ground, ..) = line_between_stripes(angle_deg, width_px, stripes);
+                    let columns: BTreeSet<u32> =
+                        Strokes::of(&ground).points.iter().map(|point| point.at.x as u32).collect();
+                    let missing = (15..145).filter(|column| !columns.contains(column)).count();
+                    assert!(missing < 10, "{angle_deg}°, {width_px} px, {stripes:?}: no place in {missing} columns");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bright_stripe_of_mowing_is_no_stroke_and_white_and_yellow_paint_are() {
+        let size = ImageSize::new(160, 120);
+        let strokes_of = |colour: [f64; 3]| {
+            let pixels = (0..size.height * size.width).flat_map(|pixel| {
+                let off_px = f64::from(pixel / size.width) + 0.5 - 60.3;
+                let share = (2.5 - off_px.abs()).clamp(0.0, 1.0);
+                let channel = |at: usize| ([54.0, 96.0, 40.0][at] * (1.0 - share) + colour[at] * share) as u8;
+                [channel(0), channel(1), channel(2), 255]
+            });
+            Strokes::of(&GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[])).points.len()
+        };
+        assert_eq!(strokes_of([75.0, 130.0, 55.0]), 0, "brighter turf");
+        for paint in [[120.0, 150.0, 110.0], [220.0, 220.0, 210.0], [210.0, 200.0, 50.0], [90.0, 120.0, 90.0]] {
+            assert!(strokes_of(paint) > 100, "{paint:?}");
+        }
+    }
+
+    #[test]
+    fn a_picture_without_pixels_or_paint_has_no_strokes() {
+        for size in [ImageSize::new(0, 0), ImageSize::new(3, 2), ImageSize::new(200, 100)] {
+            let picture = Picture::filled(size, [60, 110, 40, 255]);
+            assert!(Strokes::of(&GroundPicture::new(&picture, &[])).points.is_empty(), "{size:?}");
+        }
+    }
+}

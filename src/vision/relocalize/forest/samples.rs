@@ -1,0 +1,61 @@
+//! What a forest learns from.
+
+use crate::features::Descriptor;
+use touchline_core::camera::PanTilt;
+use touchline_core::geometry::Vec3;
+
+/// What a forest learns from: descriptors and the rays they show, frame by frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    pub(super) descriptors: Vec<Descriptor>,
+    /// Unit directions in `base`.
+    pub(super) rays: Vec<Vec3>,
+    /// Where each frame's samples end.
+    frame_ends: Vec<usize>,
+}
+
+impl Samples {
+    /// No samples.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a frame's descriptors with their rays in `base`.
+    pub fn add_frame(&mut self, samples: impl IntoIterator<Item = (Descriptor, PanTilt)>) {
+        for (descriptor, ray) in samples {
+            self.descriptors.push(descriptor);
+            self.rays.push(ray.direction());
+        }
+        self.frame_ends.push(self.descriptors.len());
+    }
+
+    /// How many samples there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.descriptors.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.descriptors.is_empty()
+    }
+
+    /// How many frames they are from.
+    #[must_use]
+    pub const fn frames(&self) -> usize {
+        self.frame_ends.len()
+    }
+
+    /// The samples of one frame.
+    pub(super) fn of_frame(&self, frame: usize) -> std::ops::Range<u32> {
+        let start = if frame == 0 { 0 } else { self.frame_ends[frame - 1] };
+        start as u32..self.frame_ends[frame] as u32
+    }
+
+    /// One byte of a sample's descriptor.
+    pub(super) fn byte(&self, sample: u32, dimension: u8) -> u8 {
+        self.descriptors[sample as usize].0[usize::from(dimension)]
+    }
+}

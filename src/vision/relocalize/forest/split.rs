@@ -1,0 +1,155 @@
+//! Choosing a split: which byte, which threshold.
+
+use super::{Samples, SplitRule, TrainOptions};
+use crate::features::DESCRIPTOR_BYTES;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use touchline_core::geometry::Vec3;
+
+/// A test of one byte: samples up to the threshold go one way, larger ones the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Split {
+    pub dimension: u8,
+    pub threshold: u8,
+}
+
+/// Draws of a dimension until one tells samples apart, per dimension that the options ask for.
+const DRAWS: u32 = 4;
+
+/// The widest gap is looked for among as many bytes, those that vary most, by as many samples.
+const VARYING: usize = 24;
+const VARIANCE_SAMPLES: usize = 64;
+
+/// Each side of the widest gap gets this share of the samples, where a byte allows it.
+const LEAST_SHARE: f64 = 0.3;
+
+/// The best of some random splits of the samples `at`; none if no byte drawn tells them apart.
+pub(super) fn choose_split(samples: &Samples, at: &[u32], options: &TrainOptions, rng: &mut Pcg64Mcg) -> Option<Split> {
+    match options.rule {
+        SplitRule::WidestGap => widest_gap(samples, at, options, rng),
+        SplitRule::RayDeviation { thresholds } => least_deviation(samples, at, thresholds, options, rng),
+    }
+}
+
+/// At most `count` of the samples, spread evenly.
+fn some(at: &[u32], count: usize) -> impl ExactSizeIterator<Item = u32> + Clone {
+    let considered = at.len().min(count);
+    (0..considered).map(move |i| at[i * at.len() / considered])
+}
+
+/// Of the bytes drawn the one that leaves each side its share, and of those the one with the widest gap.
+fn widest_gap(samples: &Samples, at: &[u32], options: &TrainOptions, rng: &mut Pcg64Mcg) -> Option<Split> {
+    let bytes = most_varying(samples, at);
+    let chosen = some(at, options.node_samples.max(2) as usize);
+    let least = (LEAST_SHARE * chosen.len() as f64).ceil() as u32;
+    let (mut best, mut tried) = (None::<(u32, u8, Split)>, 0);
+    for _ in 0..options.dimensions.max(1) * DRAWS {
+        if tried == options.dimensions.max(1) {
+            break;
+        }
+        let dimension = bytes[rng.random_range(0..VARYING)];
+        let mut counts = [0u32; 256];
+        for sample in chosen.clone() {
+            counts[usize::from(samples.byte(sample, dimension))] += 1;
+        }
+        let (mut below, mut last) = (0, None::<u8>);
+        for value in 0..=u8::MAX {
+            let here = counts[usize::from(value)];
+            if here == 0 {
+                continue;
+            }
+            if let Some(last) = last {
+                let smaller = below.min(chosen.len() as u32 - below);
+                let (share, gap) = (smaller.min(least), value - last);
+                let enough = smaller >= options.min_leaf.max(1);
+                if enough && best.is_none_or(|(most, widest, _)| (share, gap) > (most, widest)) {
+                    best = Some((share, gap, Split { dimension, threshold: last + (value - 1 - last) / 2 }));
+                }
+            }
+            below += here;
+            last = Some(value);
+        }
+        tried += u32::from(last.is_some_and(|last| counts[usize::from(last)] < chosen.len() as u32));
+    }
+    best.map(|(.., split)| split)
+}
+
+/// The bytes that vary most over the samples.
+fn most_varying(samples: &Samples, at: &[u32]) -> [u8; VARYING] {
+    let (mut sums, mut squares) = ([0u32; DESCRIPTOR_BYTES], [0u32; DESCRIPTOR_BYTES]);
+    let chosen = some(at, VARIANCE_SAMPLES);
+    let count = chosen.len() as u32;
+    for sample in chosen {
+        let bytes = &samples.descriptors[sample as usize].0;
+        for ((sum, square), &byte) in sums.iter_mut().zip(&mut squares).zip(bytes) {
+            let byte = u32::from(byte);
+            *sum += byte;
+            *square += byte * byte;
+        }
+    }
+    let mut order: [(u32, u8); DESCRIPTOR_BYTES] = std::array::from_fn(|byte| {
+        let variance = count * squares[byte] - sums[byte] * sums[byte];
+        (u32::MAX - variance, byte as u8)
+    });
+    order.select_nth_unstable(VARYING - 1);
+    order[..VARYING].sort_unstable();
+    std::array::from_fn(|i| order[i].1)
+}
+
+/// Of the bytes and thresholds drawn those where |Σ r|² / n of the two sides' unit rays is largest in sum, which is where
+/// they deviate least from their means; among equals, where the gap between the two sides' bytes is widest.
+fn least_deviation(
+    samples: &Samples,
+    at: &[u32],
+    thresholds: u32,
+    options: &TrainOptions,
+    rng: &mut Pcg64Mcg,
+) -> Option<Split> {
+    let chosen = some(at, options.node_samples.max(2) as usize);
+    let (mut best, mut tried) = (None::<(f64, u8, Split)>, 0);
+    for _ in 0..options.dimensions * DRAWS {
+        if tried == options.dimensions {
+            break;
+        }
+        let dimension = rng.random_range(0..DESCRIPTOR_BYTES) as u8;
+        let mut bins = [(0u32, Vec3::zeros()); 256];
+        let (mut low, mut high) = (u8::MAX, 0);
+        for sample in chosen.clone() {
+            let value = samples.byte(sample, dimension);
+            (low, high) = (low.min(value), high.max(value));
+            let bin = &mut bins[usize::from(value)];
+            bin.0 += 1;
+            bin.1 += samples.rays[sample as usize];
+        }
+        if low >= high {
+            continue;
+        }
+        tried += 1;
+        let mut wanted = [false; 256];
+        for _ in 0..thresholds {
+            wanted[usize::from(rng.random_range(low..high))] = true;
+        }
+        let range = || usize::from(low)..=usize::from(high);
+        let whole =
+            range().map(|value| bins[value]).fold((0, Vec3::zeros()), |sum, bin| (sum.0 + bin.0, sum.1 + bin.1));
+        let (mut below, mut last) = ((0u32, Vec3::zeros()), low);
+        for value in low..high {
+            let bin = bins[usize::from(value)];
+            below = (below.0 + bin.0, below.1 + bin.1);
+            if bin.0 > 0 {
+                last = value;
+            }
+            let above = (whole.0 - below.0, whole.1 - below.1);
+            if !wanted[usize::from(value)] || below.0.min(above.0) < options.min_leaf.max(1) {
+                continue;
+            }
+            let Some(next) = (value + 1..=high).find(|&next| bins[usize::from(next)].0 > 0) else { continue };
+            let score = [below, above].iter().map(|(count, sum)| sum.norm_squared() / f64::from(*count)).sum();
+            let gap = next - last;
+            if best.is_none_or(|(most, widest, _)| (score, gap) > (most, widest)) {
+                best = Some((score, gap, Split { dimension, threshold: last + (gap - 1) / 2 }));
+            }
+        }
+    }
+    best.map(|(.., split)| split)
+}

@@ -1,0 +1,231 @@
+//! A forest file: forests by camera, the document they belong to, and how features were found.
+
+use super::Shown;
+use super::forest::{Forest, ForestFileError, Reader, write_forest};
+use crate::features::{Detector, FeatureOptions};
+use std::ops::RangeInclusive;
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::{Angle, AngleRange, Mat3};
+
+/// How a forest file begins.
+const MAGIC: &[u8; 8] = b"TLFOREST";
+
+/// The version that is written.
+pub const FOREST_VERSION: u32 = 5;
+
+/// The oldest that is read: it does not hold the references' cameras.
+const OLDEST_VERSION: u32 = 3;
+
+/// The first that holds how well the references' cameras are known.
+const WITH_LABELS: u32 = 5;
+
+/// A reference's camera in a file.
+const CAMERA_BYTES: usize = 24;
+
+/// How well it is known.
+const LABEL_BYTES: usize = 48;
+
+/// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForestModel {
+    /// The document's field and cameras as its JSON, without frames; text that this room does not look into.
+    pub document: String,
+    /// How the features of the references were found, and how those of other frames must be.
+    pub features: FeatureOptions,
+    /// A forest for each camera that has references.
+    pub cameras: Vec<CameraForest>,
+}
+
+/// The forest of one camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraForest {
+    /// The camera's name in the document.
+    pub camera: String,
+    /// Where its references looked.
+    pub seen: SeenRange,
+    /// From descriptors to rays in the camera's base.
+    pub forest: Forest,
+}
+
+/// Where the references of a camera looked, and how many there are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenRange {
+    /// Pan of the optical axis, degrees: the smallest arc that holds all, from its left end to its right one, above 180 where
+    /// the seam lies between (see [`SeenRange::pan`]).
+    pub pan_deg: RangeInclusive<f64>,
+    /// Tilt of the optical axis, degrees.
+    pub tilt_deg: RangeInclusive<f64>,
+    /// Focal length, px of the frame.
+    pub focal_px: RangeInclusive<f64>,
+    /// How many references gave features.
+    pub references: u32,
+    /// How each of them was pointed: an answer that repeats one is looked at twice (see [`super::relocalize()`]). Empty in forests
+    /// of earlier versions.
+    pub cameras: Vec<Ptz>,
+    /// How well each of these cameras is known if the base is exact: covariance of (pan rad, tilt rad, focal px). Empty in forests
+    /// of earlier versions: then they are taken to be known as four clicks tell.
+    pub labels: Vec<Mat3>,
+    /// What the references show that were left out and asked for; nothing where that was not measured.
+    pub shown: Shown,
+}
+
+impl SeenRange {
+    /// The range of some cameras; none without any.
+    #[must_use]
+    pub fn of(cameras: &[Ptz]) -> Option<Self> {
+        let range = |value: fn(&Ptz) -> f64| {
+            let least = cameras.iter().map(value).min_by(f64::total_cmp)?;
+            let greatest = cameras.iter().map(value).max_by(f64::total_cmp)?;
+            Some(least..=greatest)
+        };
+        let pan = AngleRange::smallest(cameras.iter().map(|ptz| ptz.pan))?;
+        Some(Self {
+            pan_deg: pan.start().degrees()..=pan.end().degrees(),
+            tilt_deg: range(|ptz| ptz.tilt.degrees())?,
+            focal_px: range(|ptz| ptz.focal_px)?,
+            references: cameras.len() as u32,
+            cameras: cameras.to_vec(),
+            labels: Vec::new(),
+            shown: Shown::default(),
+        })
+    }
+
+    /// The same with how well each of the cameras is known: see [`SeenRange::labels`].
+    #[must_use]
+    pub fn with_labels(self, labels: Vec<Mat3>) -> Self {
+        Self { labels, ..self }
+    }
+
+    /// The pans as an arc.
+    #[must_use]
+    pub fn pan(&self) -> AngleRange {
+        AngleRange::new(Angle::from_degrees(*self.pan_deg.start()), Angle::from_degrees(*self.pan_deg.end()))
+    }
+}
+
+impl ForestModel {
+    /// The forest of a camera.
+    #[must_use]
+    pub fn camera(&self, name: &str) -> Option<&CameraForest> {
+        self.cameras.iter().find(|forest| forest.camera == name)
+    }
+
+    /// The file: magic, version, length and CRC-32 of the rest, then the rest; little-endian throughout.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut body = Vec::new();
+        text(&mut body, &self.document);
+        let FeatureOptions { max_count, max_width_px, root_sift, detector } = self.features;
+        for number in [max_count, max_width_px, u32::from(root_sift), detector.code()] {
+            body.extend(number.to_le_bytes());
+        }
+        body.extend((self.cameras.len() as u32).to_le_bytes());
+        for camera in &self.cameras {
+            text(&mut body, &camera.camera);
+            for range in [&camera.seen.pan_deg, &camera.seen.tilt_deg, &camera.seen.focal_px] {
+                body.extend(range.start().to_le_bytes());
+                body.extend(range.end().to_le_bytes());
+            }
+            body.extend(camera.seen.references.to_le_bytes());
+            body.extend((camera.seen.cameras.len() as u32).to_le_bytes());
+            for ptz in &camera.seen.cameras {
+                for number in [ptz.pan.radians(), ptz.tilt.radians(), ptz.focal_px] {
+                    body.extend(number.to_le_bytes());
+                }
+            }
+            body.extend((camera.seen.labels.len() as u32).to_le_bytes());
+            for number in camera.seen.labels.iter().flat_map(upper) {
+                body.extend(number.to_le_bytes());
+            }
+            body.extend(camera.seen.shown.certain.to_le_bytes());
+            body.extend(camera.seen.shown.right.to_le_bytes());
+            write_forest(&camera.forest, &mut body);
+        }
+        let mut file = Vec::with_capacity(body.len() + 24);
+        file.extend(MAGIC);
+        file.extend(FOREST_VERSION.to_le_bytes());
+        file.extend((body.len() as u64).to_le_bytes());
+        file.extend(crc32fast::hash(&body).to_le_bytes());
+        file.extend(body);
+        file
+    }
+
+    /// What a file holds.
+    ///
+    /// # Errors
+    /// It is no forest, comes from a newer or much older program, or is damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForestFileError> {
+        let mut header = Reader::new(bytes);
+        if header.bytes(MAGIC.len()).ok() != Some(MAGIC) {
+            return Err(ForestFileError::NotAForest);
+        }
+        let version = header.u32()?;
+        if version > FOREST_VERSION {
+            return Err(ForestFileError::Newer { version, newest: FOREST_VERSION });
+        }
+        if version < OLDEST_VERSION {
+            return Err(ForestFileError::Older { version });
+        }
+        let (length, checksum) = (header.u64()?, header.u32()?);
+        let length = usize::try_from(length).map_err(|_| ForestFileError::Damaged { what: "it ends too early" })?;
+        let body = header.bytes(length)?;
+        header.finish()?;
+        if crc32fast::hash(body) != checksum {
+            return Err(ForestFileError::Damaged { what: "its checksum does not fit" });
+        }
+        let mut body = Reader::new(body);
+        let document = body.text()?.to_owned();
+        let features = FeatureOptions {
+            max_count: body.u32()?,
+            max_width_px: body.u32()?,
+            root_sift: match body.u32()? {
+                0 => false,
+                1 => true,
+                _ => return Err(ForestFileError::Damaged { what: "its kind of features is not known" }),
+            },
+            detector: Detector::from_code(body.u32()?)
+                .ok_or(ForestFileError::Damaged { what: "its detector of features is not known" })?,
+        };
+        let count = body.count(1)?;
+        let cameras = (0..count).map(|_| camera(&mut body, version)).collect::<Result<_, _>>()?;
+        body.finish()?;
+        Ok(Self { document, features, cameras })
+    }
+}
+
+fn text(out: &mut Vec<u8>, text: &str) {
+    out.extend((text.len() as u32).to_le_bytes());
+    out.extend(text.as_bytes());
+}
+
+/// The upper triangle of a covariance, row by row.
+fn upper(covariance: &Mat3) -> [f64; 6] {
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|at| covariance[at])
+}
+
+fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileError> {
+    let camera = body.text()?.to_owned();
+    let mut seen = SeenRange {
+        pan_deg: body.f64()?..=body.f64()?,
+        tilt_deg: body.f64()?..=body.f64()?,
+        focal_px: body.f64()?..=body.f64()?,
+        references: body.u32()?,
+        cameras: Vec::new(),
+        labels: Vec::new(),
+        shown: Shown::default(),
+    };
+    if version > OLDEST_VERSION {
+        for _ in 0..body.count(CAMERA_BYTES)? {
+            let (pan, tilt) = (Angle::from_radians(body.f64()?), Angle::from_radians(body.f64()?));
+            seen.cameras.push(Ptz { pan, tilt, focal_px: body.f64()? });
+        }
+    }
+    if version >= WITH_LABELS {
+        for _ in 0..body.count(LABEL_BYTES)? {
+            let [a, b, c, d, e, f] = [body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?];
+            seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
+        }
+        seen.shown = Shown { certain: body.u32()?, right: body.u32()? };
+    }
+    Ok(CameraForest { camera, seen, forest: body.forest()? })
+}

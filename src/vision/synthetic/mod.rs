@@ -1,0 +1,49 @@
+//! A synthetic match with exact truth: for tests, measurements, the demo and `touchline synth`.
+//!
+//! [`stadium`] builds a place from a seed: striped grass whose grain differs from spot to spot, the painted lines of a
+//! [`FieldModel`](touchline_core::field::FieldModel) at their real width, boards with words, stands full of people, goals with
+//! nets, and a match in progress. [`Stadium::render`] takes a picture of it with a [`PtzCamera`](touchline_core::camera::PtzCamera):
+//! every pixel is the ray of its centre through the exact camera, so the truth is exact. [`camera_path`] moves the camera
+//! as an operator would. Nothing is copied from real footage; all names are invented.
+//!
+//! [`Stadium::at`] lets spectators move and boards change between frames, as they do in a real one.
+//!
+//! Patterns finer than a pixel fade instead of aliasing; lines, people, posts and nets are covered analytically; where
+//! surfaces meet, a pixel is the mean of a grid of rays. Everything is a plain function of seed, place and time, so the
+//! same options give the same bytes at any number of threads.
+
+mod boards;
+mod body;
+mod bowl;
+mod clicks;
+mod colour;
+mod coverage;
+mod crowd;
+mod graphics;
+mod grass;
+mod lens;
+mod light;
+mod moment;
+mod noise;
+mod options;
+mod paint;
+mod path;
+mod play;
+mod props;
+mod ray;
+mod render;
+mod solid;
+mod stadium;
+mod text;
+mod texture;
+
+pub use clicks::{ClickOptions, ClickTarget, DrawnClick, drawn_clicks};
+pub use moment::Moment;
+pub use options::{
+    CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions, UnknownPreset,
+};
+pub use path::{PathStep, camera_path};
+pub use play::Side;
+pub use props::Mover;
+pub use render::{RenderedFrame, SeenMover};
+pub use stadium::{Stadium, stadium};

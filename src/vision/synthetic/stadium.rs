@@ -1,0 +1,139 @@
+//! The stadium: what a ray sees of it, and the pictures that a camera takes of a match in it.
+
+use super::boards::Boards;
+use super::body::Kits;
+use super::bowl::{Bowl, BowlHit};
+use super::colour::Light;
+use super::crowd::Crowd;
+use super::grass::Ground;
+use super::light::Lighting;
+use super::moment::Moment;
+use super::noise::sub_seed;
+use super::options::StadiumOptions;
+use super::play::Play;
+use super::props::{Prop, fixtures};
+use super::ray::{PlaneHit, Ray};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::Vec3;
+
+/// A drawn stadium with its match: grass, painted lines, boards, stands, goals, flags, players.
+#[derive(Clone, Debug)]
+pub struct Stadium {
+    pub(super) options: StadiumOptions,
+    pub(super) play: Play,
+    pub(super) kits: Kits,
+    pub(super) lighting: Lighting,
+    pub(super) fixtures: Vec<Prop>,
+    ground: Ground,
+    boards: Boards,
+    bowl: Bowl,
+    crowd: Crowd,
+}
+
+/// Builds a stadium; the same options build the same one.
+#[must_use]
+pub fn stadium(options: &StadiumOptions) -> Stadium {
+    let field = &options.field;
+    let kits = Kits::of(sub_seed(options.seed, 0x4175));
+    Stadium {
+        play: Play::new(options.seed, field.length_m, field.width_m),
+        lighting: Lighting::new(options.daylight, field),
+        fixtures: fixtures(options.seed, field),
+        ground: Ground::new(options.seed, field, options.paint_left),
+        boards: Boards::new(options.seed, field),
+        bowl: Bowl::new(field),
+        crowd: Crowd::new(options.seed, options.attendance, kits.home.shirt, kits.away.shirt),
+        kits,
+        options: options.clone(),
+    }
+}
+
+/// What a ray sees of what stands still.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    pub light: Light,
+    pub depth: f64,
+    /// Pixels that see different surfaces share an edge, which is then drawn more finely.
+    pub surface: u8,
+}
+
+/// [`Sight::surface`] of the grass.
+pub(super) const GRASS: u8 = 1;
+const APRON: u8 = 2;
+const SKY: u8 = 3;
+const BOWL: u8 = 4;
+const BOARDS: u8 = 16;
+
+impl Stadium {
+    /// The options it was built from.
+    #[must_use]
+    pub const fn options(&self) -> &StadiumOptions {
+        &self.options
+    }
+
+    /// The field, as it is painted.
+    #[must_use]
+    pub const fn field(&self) -> &FieldModel {
+        &self.options.field
+    }
+
+    /// The same stadium at another moment: ground, lines, stands and players are as they were. Moments add up: of people and
+    /// boards that changed before, those stay changed that do not change again.
+    #[must_use]
+    pub fn at(&self, moment: &Moment) -> Self {
+        let mut stadium = self.clone();
+        let occasion = self.options.seed.wrapping_add(moment.occasion);
+        stadium.boards.change(sub_seed(occasion, 0xB0C4), moment.boards_changed as f32);
+        stadium.crowd.change(sub_seed(occasion, 0xC2D4), moment);
+        stadium
+    }
+
+    /// The ground, stands, boards and sky along a ray.
+    pub(super) fn look(&self, ray: &Ray) -> Sight {
+        let ground = self.ground_along(ray);
+        if let Some(board) = self.boards.meets(ray).filter(|b| ground.is_none_or(|g| b.at.depth < g.depth)) {
+            let surface = BOARDS.saturating_add(self.boards.number(&board));
+            return Sight { light: self.boards.colour(&board), depth: board.at.depth, surface };
+        }
+        if let Some(hit) = ground.filter(|hit| self.ground.is_inside_boards(hit.point)) {
+            return self.lit_ground(&hit, GRASS);
+        }
+        let stands = self.bowl.meets(ray);
+        match (ground, stands) {
+            (Some(ground), stands) if stands.is_none_or(|stands| ground.depth < stands.at.depth) => {
+                self.lit_ground(&ground, APRON)
+            }
+            (_, Some(stands)) => self.lit_stands(&stands),
+            _ => Sight { light: self.lighting.sky_in(ray.direction), depth: f64::INFINITY, surface: SKY },
+        }
+    }
+
+    fn lit_ground(&self, hit: &PlaneHit, surface: u8) -> Sight {
+        let light = self.ground.albedo(hit).component_mul(&self.lighting.on_ground(hit.point));
+        Sight { light, depth: hit.depth, surface }
+    }
+
+    fn lit_stands(&self, hit: &BowlHit) -> Sight {
+        let light = self.crowd.colour(hit) * self.lighting.stands;
+        Sight { light, depth: hit.at.depth, surface: BOWL + hit.part as u8 }
+    }
+
+    /// Where a ray meets the ground, crowned as the field is.
+    pub(super) fn ground_along(&self, ray: &Ray) -> Option<PlaneHit> {
+        let field = &self.options.field;
+        let mut hit = ray.meets(Vec3::zeros(), Vec3::z())?;
+        if field.crown_m == 0.0 {
+            return Some(hit);
+        }
+        // Newton on the height above the crowned ground; its slope is a hundredth of the ray's, so four steps are plenty.
+        let slope =
+            |y: f64| if y.abs() < 0.5 * field.width_m { -8.0 * field.crown_m * y / field.width_m.powi(2) } else { 0.0 };
+        for _ in 0..4 {
+            let point = ray.at(hit.depth);
+            let above = point.z - field.ground_z(point.y);
+            let depth = hit.depth - above / (ray.direction.z - slope(point.y) * ray.direction.y);
+            hit = ray.on_plane(depth, Vec3::new(0.0, -slope(point.y), 1.0));
+        }
+        (hit.depth > 1e-3).then_some(hit)
+    }
+}

@@ -1,0 +1,356 @@
+//! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every followed point, from all
+//! sightings and anchors at once.
+
+use super::anchor::{Anchor, AnchorSource, by_focal_px, moved, offset};
+use super::problem::{Clip, ClipState, Seen};
+use super::smooth::smoothed_offsets;
+use super::{Carried, PointTracks};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::{Mat3, Vec3, median};
+use touchline_core::solve::{Loss, Stopping, minimise};
+
+/// How a clip is adjusted. Lengths are px at 1920 px width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdjustOptions {
+    /// 1-σ of a followed point before the clip itself has told it. .3 by default.
+    pub point_sigma_px: f64,
+    /// It is never taken as smaller. .05 by default.
+    pub min_sigma_px: f64,
+    /// Beyond so many sigmas a point hardly counts. 3 by default.
+    pub loss_sigmas: f64,
+    /// A point's errors in neighbouring frames are alike, so that its sightings count for fewer than they are, by this factor. 4 by
+    /// default.
+    pub sightings_alike: f64,
+    /// Steps at most. 15 by default.
+    pub max_iterations: usize,
+}
+
+impl Default for AdjustOptions {
+    fn default() -> Self {
+        Self { point_sigma_px: 0.3, min_sigma_px: 0.05, loss_sigmas: 3.0, sightings_alike: 4.0, max_iterations: 15 }
+    }
+}
+
+/// A frame as the whole clip sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdjustedFrame {
+    /// Pan, tilt, focal length.
+    pub ptz: Ptz,
+    /// The covariance of (pan rad, tilt rad, focal length px), the base taken as exact.
+    pub covariance: Mat3,
+}
+
+/// A clip after its adjustment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdjustedClip {
+    /// None for a frame that was not reached.
+    pub frames: Vec<Option<AdjustedFrame>>,
+    /// 1-σ of a followed point along one axis, as the clip itself tells it, px.
+    pub sigma_px: f64,
+    /// By how much the points had to be taken as less exact than that, so that the anchors hold; 1 where the two agree.
+    pub widened: f64,
+}
+
+/// Adjusts the frames that were reached.
+///
+/// None if nothing holds the clip: no anchor, or one that has no covariance.
+#[must_use]
+pub fn adjust_clip(
+    base: &CameraBase,
+    tracks: &PointTracks,
+    carried: &Carried,
+    anchors: &[Anchor],
+    options: &AdjustOptions,
+) -> Option<AdjustedClip> {
+    let mut row_of = vec![None; tracks.frames];
+    let mut start = Vec::new();
+    for (frame, ptz) in carried.ptz.iter().enumerate() {
+        if let Some(ptz) = ptz {
+            row_of[frame] = Some(start.len());
+            start.push(*ptz);
+        }
+    }
+    let points = seen(tracks, &carried.moving, &row_of);
+    let anchors: Vec<(usize, Anchor, Mat3)> = anchors
+        .iter()
+        .filter_map(|anchor| Some((row_of.get(anchor.frame).copied().flatten()?, *anchor, anchor.information()?)))
+        .collect();
+    if anchors.is_empty() {
+        return None;
+    }
+    let mut first: Vec<usize> = (0..start.len()).collect();
+    for point in &points {
+        let least = point.sightings.first().map_or(0, |(row, _)| *row);
+        for (row, _) in &point.sightings {
+            first[*row] = first[*row].min(least);
+        }
+    }
+    let px = tracks.image_size.scale_from_1920();
+    let alike = options.sightings_alike.sqrt();
+    let mut problem = Clip {
+        base: base.at_origin(),
+        points: &points,
+        anchors,
+        first: &first,
+        sigma_px: vec![options.point_sigma_px * px * alike; start.len()],
+        loss: Loss::Cauchy { c: options.loss_sigmas / alike },
+    };
+    let until = |max_iterations| Stopping { max_iterations, short_step: 1e-9, small_gain: 1e-8 };
+    let state = ClipState { directions: directions(&problem, &start), ptz: start };
+    let rough = minimise(&problem, state, until(options.max_iterations));
+    let mut off: Vec<f64> = problem.residuals(&rough.state).filter_map(|(_, off)| Some(off?.norm_squared())).collect();
+    let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
+    let in_rows = row_sigmas(&problem, &rough.state, sigma_px);
+    // What the blur of a frame puts off, it puts off for all points of the frame alike: the more they scatter, the fewer they count
+    // for.
+    let counted_px = |in_row: f64| in_row * alike * (in_row / sigma_px);
+    let sigmas_px = |widened: f64| in_rows.iter().map(|in_row| counted_px(*in_row) * widened).collect();
+    problem.sigma_px = sigmas_px(1.0);
+    let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
+    let straight = fine.state.ptz.clone();
+    let mut widened = 1.0;
+    for _ in 0..WIDENINGS {
+        let points = widening(&problem.anchors, &fine.state, |by| by != AnchorSource::Proposal);
+        let proposals = widening(&problem.anchors, &fine.state, |by| by == AnchorSource::Proposal);
+        if points.is_none() && proposals.is_none() {
+            break;
+        }
+        widened *= points.unwrap_or(1.0);
+        problem.sigma_px = sigmas_px(widened);
+        problem.loss = Loss::Cauchy { c: options.loss_sigmas / (alike * widened) };
+        let of_proposals = proposals.unwrap_or(1.0).powi(-2);
+        for (_, anchor, information) in &mut problem.anchors {
+            if anchor.by == AnchorSource::Proposal {
+                *information *= of_proposals;
+            }
+        }
+        fine = minimise(&problem, fine.state, until(options.max_iterations));
+    }
+    let covariances = fine.equations.covariances()?;
+    let ptz = if widened > 1.0 { bent(&straight, &fine.state.ptz, &covariances) } else { fine.state.ptz };
+    let frames = row_of.iter().map(|row| {
+        let row = (*row)?;
+        let ptz = ptz[row];
+        Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px) })
+    });
+    Some(AdjustedClip { frames: frames.collect(), sigma_px, widened })
+}
+
+/// 1-σ of a followed point along one axis in each row, px, as the row's own points tell it and never less than in the clip: a fast
+/// turn blurs what is followed.
+fn row_sigmas(problem: &Clip<'_>, at: &ClipState, of_clip_px: f64) -> Vec<f64> {
+    let mut squares: Vec<Vec<f64>> = vec![Vec::new(); at.ptz.len()];
+    // A point's direction is the mean of its sightings and takes its part of their scatter.
+    let shares = problem.points.iter().flat_map(|point| {
+        let sightings = point.sightings.len();
+        std::iter::repeat_n(1.0 - 1.0 / sightings as f64, sightings)
+    });
+    for ((row, off), share) in problem.residuals(at).zip(shares) {
+        squares[row].extend(off.map(|off| off.norm_squared() / share));
+    }
+    squares.iter_mut().map(|squares| scatter_px(squares).max(of_clip_px)).collect()
+}
+
+/// 1-σ along one axis of what is off by some distances, of which these are the squares, px; robust.
+fn scatter_px(squares: &mut [f64]) -> f64 {
+    // The median of the squares of two numbers with 1-σ s is 2 ln 2 s².
+    (median(squares).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt()
+}
+
+/// The anchors' mean square distance per number, in sigmas², from which on something is taken as less exact than it states.
+const CONTRADICTED: f64 = 1.5;
+
+/// How often it is.
+const WIDENINGS: usize = 8;
+
+/// By how much something has to be taken as less exact, for anchors of some sources contradict the points; none where they scatter
+/// as they state.
+///
+/// A lens or a base that is a little off bends all points alike, which is no scatter; only what people and paint say shows it, and
+/// then that holds against the points. What a forest answers does not: its errors are as large as they happen to be, and points that
+/// gave way to them would jump with each.
+fn widening(anchors: &[(usize, Anchor, Mat3)], at: &ClipState, is_asked: impl Fn(AnchorSource) -> bool) -> Option<f64> {
+    let squares = |(row, anchor, information): &(usize, Anchor, Mat3)| {
+        let offset = anchor.offset(at.ptz[*row]);
+        is_asked(anchor.by).then(|| offset.dot(&(information * offset)) / 3.0)
+    };
+    let mut squares: Vec<f64> = anchors.iter().filter_map(squares).collect();
+    // Of a χ² of three the median is .789 of the mean.
+    let contradiction = median(&mut squares).unwrap_or(0.0) / 0.789;
+    (contradiction > CONTRADICTED).then(|| contradiction.sqrt().clamp(1.5, 4.0))
+}
+
+/// Cameras as they follow from the points alone (`straight`), brought to where widened points leave them: what a lens or a base is
+/// off by changes as slowly as the camera moves, while points that give way leave a jump at every anchor.
+fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
+    /// So many frames the bend takes to follow a step.
+    const FRAMES: f64 = 15.0;
+    let by: Vec<Vec3> = straight.iter().zip(widened).map(|(from, to)| offset(*from, *to)).collect();
+    let typical = |axis: usize| {
+        let mut variances: Vec<f64> = covariances.iter().map(|covariance| covariance[(axis, axis)]).collect();
+        median(&mut variances).unwrap_or(0.0)
+    };
+    let unrest = Vec3::from([0, 1, 2].map(typical)) / FRAMES.powi(4);
+    let bend = smoothed_offsets(&by, covariances, &unrest);
+    straight.iter().zip(bend).map(|(ptz, by)| moved(*ptz, by)).collect()
+}
+
+/// The points that at least two of the reached frames show and that do not move.
+fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<Seen> {
+    let still = tracks.tracks.iter().zip(moving).filter(|(_, moving)| !**moving);
+    let of_track = |(track, _): (&super::PointTrack, &bool)| {
+        let sightings: Vec<_> = track
+            .points
+            .iter()
+            .enumerate()
+            .filter_map(|(place, point)| Some((row_of[track.first + place]?, *point)))
+            .collect();
+        (sightings.len() > 1).then_some(Seen { sightings })
+    };
+    still.filter_map(of_track).collect()
+}
+
+/// Where each point lies by the frames that show it.
+fn directions(problem: &Clip<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
+    let cameras: Vec<PtzCamera> = ptz.iter().map(|ptz| PtzCamera::new(problem.base, *ptz)).collect();
+    let of_point = |point: &Seen| {
+        let rays = point.sightings.iter().filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
+        let sum: Vec3 = rays.map(PanTilt::direction).sum();
+        sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
+    };
+    problem.points.iter().map(of_point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::track::PointTrack;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+    use rand_pcg::Pcg64Mcg;
+    use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
+
+    const SIGMA_DEG: f64 = 0.01;
+
+    fn covariance() -> Mat3 {
+        let turn = SIGMA_DEG.to_radians();
+        Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 1e-6))
+    }
+
+    fn pans(of: impl Fn(usize) -> f64) -> Vec<Ptz> {
+        (0..200).map(|frame| Ptz::from_degrees(of(frame), -10.0, 2000.0)).collect()
+    }
+
+    #[test]
+    fn a_bend_that_changes_slowly_stays_and_jumps_at_anchors_go() {
+        let straight = pans(|frame| 0.1 * frame as f64);
+        let slow = |frame: usize| 0.2 * (frame as f64 / 60.0).sin();
+        let jumping =
+            pans(|frame| 0.1 * frame as f64 + slow(frame) + if frame.is_multiple_of(20) { 0.05 } else { 0.0 });
+        let bent = bent(&straight, &jumping, &vec![covariance(); 200]);
+        let pan = |frame: usize| bent[frame].pan.degrees();
+        for frame in 10..190 {
+            let off = pan(frame) - 0.1 * frame as f64 - slow(frame);
+            assert!(off.abs() < 0.012, "frame {frame}: {off}");
+            let jump = pan(frame + 1) - 2.0 * pan(frame) + pan(frame - 1);
+            assert!(jump.abs() < 0.002, "frame {frame}: {jump}");
+        }
+    }
+
+    #[test]
+    fn a_blurred_row_says_so_itself() {
+        const SHARP_PX: f64 = 0.15;
+        const BLURRED_PX: f64 = 0.8;
+        let ptz = pans(|frame| 0.1 * frame as f64)[..6].to_vec();
+        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let mut random = Pcg64Mcg::seed_from_u64(7);
+        let mut shaken = |px: f64| Normal::new(0.0, px).unwrap().sample(&mut random);
+        let directions: Vec<Vec3> = (0..400)
+            .map(|place| {
+                let at = ImagePoint::new(200.0 + 2.0 * f64::from(place), 100.0 + f64::from(place * 37 % 500));
+                PtzCamera::new(base, ptz[2]).ray_from_image(at).unwrap().direction()
+            })
+            .collect();
+        let seen_from = |direction: &Vec3| Seen {
+            sightings: (0..ptz.len())
+                .map(|row| {
+                    let at =
+                        PtzCamera::new(base, ptz[row]).image_from_ray(PanTilt::from_direction(*direction)).unwrap();
+                    let px = if row == 3 { BLURRED_PX } else { SHARP_PX };
+                    (row, at.moved(Vec2::new(shaken(px), shaken(px))))
+                })
+                .collect(),
+        };
+        let points: Vec<Seen> = directions.iter().map(seen_from).collect();
+        let problem = Clip {
+            base,
+            points: &points,
+            anchors: Vec::new(),
+            first: &[0; 6],
+            sigma_px: vec![SHARP_PX; 6],
+            loss: Loss::Cauchy { c: 3.0 },
+        };
+        let sigmas = row_sigmas(&problem, &ClipState { ptz, directions }, 0.1);
+        for (row, sigma) in sigmas.into_iter().enumerate() {
+            // The directions are exact here, so that nothing of the scatter went into them.
+            let expected = if row == 3 { BLURRED_PX } else { SHARP_PX } / (1.0f64 - 1.0 / 6.0).sqrt();
+            assert!((sigma / expected - 1.0).abs() < 0.15, "row {row}: {sigma} px, {expected} expected");
+        }
+    }
+
+    #[test]
+    fn what_a_blurred_frame_is_off_by_alike_gives_way_to_a_click() {
+        const OFF_PX: f64 = 1.0;
+        const CLICK_PX: f64 = 0.3;
+        let ptz = pans(|frame| 0.1 * frame as f64)[..6].to_vec();
+        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let mut random = Pcg64Mcg::seed_from_u64(7);
+        let mut shaken = |px: f64| Normal::new(0.0, px).unwrap().sample(&mut random);
+        let tracks = (0..400).map(|place| {
+            let at = ImagePoint::new(200.0 + 2.0 * f64::from(place), 100.0 + f64::from(place * 37 % 500));
+            let ray = PtzCamera::new(base, ptz[2]).ray_from_image(at).unwrap();
+            let seen_from = |(row, ptz): (usize, &Ptz)| {
+                let at = PtzCamera::new(base, *ptz).image_from_ray(ray).unwrap();
+                let (px, off) = if row == 3 { (0.8, OFF_PX) } else { (0.15, 0.0) };
+                at.moved(Vec2::new(off + shaken(px), shaken(px)))
+            };
+            PointTrack { first: 0, points: ptz.iter().enumerate().map(seen_from).collect() }
+        });
+        let tracks = PointTracks { image_size: ImageSize::new(1280, 720), frames: 6, tracks: tracks.collect() };
+        let carried = Carried {
+            ptz: ptz.iter().copied().map(Some).collect(),
+            moving: vec![false; tracks.tracks.len()],
+            apart_px: vec![None; 6],
+            stops: Vec::new(),
+        };
+        let turn = CLICK_PX / 2000.0;
+        let covariance = Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 0.25));
+        let anchors = [0, 1, 3, 5].map(|frame| Anchor { frame, ptz: ptz[frame], covariance, by: AnchorSource::Person });
+        let adjusted = adjust_clip(&base, &tracks, &carried, &anchors, &AdjustOptions::default()).unwrap();
+        let off_px = |frame: usize| {
+            let turned = adjusted.frames[frame].unwrap().ptz.pan.turn_from(ptz[frame].pan);
+            (turned.degrees().to_radians() * 2000.0).abs()
+        };
+        assert!(off_px(3) < 0.5 * OFF_PX, "{} px", off_px(3));
+        assert!(off_px(2) < 0.1 && off_px(4) < 0.1, "{} and {} px", off_px(2), off_px(4));
+    }
+
+    #[test]
+    fn points_give_way_to_people_and_paint_and_not_to_proposals() {
+        let ptz = Ptz::from_degrees(0.0, -10.0, 2000.0);
+        let off = Ptz::from_degrees(20.0 * SIGMA_DEG, -10.0, 2000.0);
+        let at = ClipState { ptz: vec![ptz; 3], directions: Vec::new() };
+        let anchor = |frame: usize, ptz: Ptz, by: AnchorSource| {
+            let anchor = Anchor { frame, ptz, covariance: covariance(), by };
+            (frame, anchor, anchor.information().unwrap())
+        };
+        let of_points = |by: AnchorSource| by != AnchorSource::Proposal;
+        let proposals = [0, 1].map(|frame| anchor(frame, off, AnchorSource::Proposal));
+        assert_eq!(widening(&proposals, &at, of_points), None);
+        assert!(widening(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
+        let painted = anchor(2, off, AnchorSource::Paint);
+        assert!(widening(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0));
+        let agreeing = anchor(2, ptz, AnchorSource::Person);
+        assert_eq!(widening(&[proposals[0], agreeing], &at, of_points), None);
+    }
+}

@@ -1,0 +1,180 @@
+//! The boundary to OpenCV's corners and optical flow, the only place where its pixel convention is seen.
+
+use crate::media::GreyPicture;
+use opencv::core::{Mat, Point, Point2f, Rect, Scalar, Size, TermCriteria, Vector, no_array};
+use opencv::prelude::*;
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
+
+/// OpenCV counts from the centre of the first pixel.
+const CORNER_FROM_OPENCV: f64 = 0.5;
+
+/// The side of the patch that is looked for, px.
+const PATCH_PX: i32 = 21;
+
+/// Halvings of the picture.
+const LEVELS: i32 = 3;
+
+/// A patch must have this much texture, in OpenCV's measure (its own default).
+const MIN_TEXTURE: f64 = 1e-4;
+
+/// A corner has at least this share of the strength of the best one in its part of the picture,
+const CORNER_QUALITY: f64 = 0.05;
+
+/// which is one of so many.
+const ROWS: i32 = 5;
+const COLUMNS: i32 = 8;
+
+/// Followed there and back, a point may lie this far from where it was, px.
+const THERE_AND_BACK_PX: f32 = 1.0;
+
+/// A picture made ready to be followed from or into.
+pub(super) struct FlowPicture {
+    grey: Mat,
+    levels: Vector<Mat>,
+    size: ImageSize,
+}
+
+impl FlowPicture {
+    pub fn of(grey: &GreyPicture) -> opencv::Result<Self> {
+        let size = grey.size;
+        let rows = Mat::new_rows_cols_with_bytes::<u8>(size.height as i32, size.width as i32, &grey.values)?;
+        let grey = rows.try_clone()?;
+        let mut levels = Vector::<Mat>::new();
+        let patch = Size::new(PATCH_PX, PATCH_PX);
+        let border = opencv::core::BORDER_REFLECT_101;
+        let no_border = opencv::core::BORDER_CONSTANT;
+        opencv::video::build_optical_flow_pyramid(&grey, &mut levels, patch, LEVELS, true, border, no_border, false)?;
+        Ok(Self { grey, levels, size })
+    }
+
+    /// The strongest corners of each part of the picture, `limit` less those taken, at least `distance_px` from each other and from all of `taken`, outside of the masks.
+    pub fn corners(
+        &self,
+        limit: usize,
+        distance_px: f64,
+        taken: &[ImagePoint],
+        masks: &[PixelBox],
+    ) -> opencv::Result<Vec<ImagePoint>> {
+        let mut open = Mat::new_rows_cols_with_default(
+            self.size.height as i32,
+            self.size.width as i32,
+            opencv::core::CV_8UC1,
+            Scalar::all(255.0),
+        )?;
+        for mask in masks {
+            let whole = Rect::new(
+                mask.x.floor() as i32,
+                mask.y.floor() as i32,
+                mask.width.ceil() as i32 + 1,
+                mask.height.ceil() as i32 + 1,
+            );
+            let filled = opencv::imgproc::FILLED;
+            opencv::imgproc::rectangle(&mut open, whole, Scalar::all(0.0), filled, opencv::imgproc::LINE_8, 0)?;
+        }
+        for point in taken {
+            let centre = Point::new(point.x as i32, point.y as i32);
+            let (radius, filled) = (distance_px as i32, opencv::imgproc::FILLED);
+            opencv::imgproc::circle(&mut open, centre, radius, Scalar::all(0.0), filled, opencv::imgproc::LINE_8, 0)?;
+        }
+        let cell = |at: i32, of: i32, side: u32| (at * side as i32 / of, (at + 1) * side as i32 / of);
+        let mut corners = Vec::new();
+        for row in 0..ROWS {
+            for column in 0..COLUMNS {
+                let ((left, right), (top, bottom)) =
+                    (cell(column, COLUMNS, self.size.width), cell(row, ROWS, self.size.height));
+                let area = Rect::new(left, top, right - left, bottom - top);
+                let inside = |at: &&ImagePoint| area.contains(Point::new(at.x as i32, at.y as i32));
+                let wanted = (limit / (ROWS * COLUMNS) as usize).saturating_sub(taken.iter().filter(inside).count());
+                if wanted > 0 {
+                    corners.extend(self.strongest(area, &open, wanted, distance_px)?);
+                }
+            }
+        }
+        Ok(corners)
+    }
+
+    /// The strongest open corners of a part of the picture. Graphics are crisper than anything else, so that the strongest corners
+    /// of the whole picture would all be theirs.
+    fn strongest(
+        &self,
+        area: Rect,
+        open: &Mat,
+        limit: usize,
+        distance_px: f64,
+    ) -> opencv::Result<impl Iterator<Item = ImagePoint>> {
+        let (part, open) = (Mat::roi(&self.grey, area)?, Mat::roi(open, area)?);
+        let (mut found, limit) = (Vector::<Point2f>::new(), limit as i32);
+        let (block, harris) = (5, false);
+        opencv::imgproc::good_features_to_track(
+            &part,
+            &mut found,
+            limit,
+            CORNER_QUALITY,
+            distance_px,
+            &open,
+            block,
+            harris,
+            0.04,
+        )?;
+        let corner = Point2f::new(area.x as f32, area.y as f32);
+        Ok(found.into_iter().map(move |at| from_opencv(at + corner)))
+    }
+
+    /// Where each point is in another picture, looked for around the second place given; none where it is not found there, or
+    /// does not lead back.
+    pub fn followed(
+        &self,
+        into: &Self,
+        points: &[(ImagePoint, ImagePoint)],
+    ) -> opencv::Result<Vec<Option<ImagePoint>>> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let from: Vector<Point2f> = points.iter().map(|(from, _)| to_opencv(*from)).collect();
+        let guess: Vector<Point2f> = points.iter().map(|(_, guess)| to_opencv(*guess)).collect();
+        let (there, found) = flow(&self.levels, &into.levels, &from, guess)?;
+        let (back, returned) = flow(&into.levels, &self.levels, &there, from.clone())?;
+        let inside = |at: Point2f| self.size.contains(from_opencv(at));
+        let one = |at: usize| -> opencv::Result<Option<ImagePoint>> {
+            let (start, end, again) = (from.get(at)?, there.get(at)?, back.get(at)?);
+            let off = (start.x - again.x).hypot(start.y - again.y);
+            let good = found.get(at)? == 1 && returned.get(at)? == 1 && off <= THERE_AND_BACK_PX && inside(end);
+            Ok(good.then(|| from_opencv(end)))
+        };
+        (0..points.len()).map(one).collect()
+    }
+}
+
+/// Lucas and Kanade's flow from coarse to fine (Bouguet, 2001), from a guess.
+fn flow(
+    from: &Vector<Mat>,
+    into: &Vector<Mat>,
+    points: &Vector<Point2f>,
+    guess: Vector<Point2f>,
+) -> opencv::Result<(Vector<Point2f>, Vector<u8>)> {
+    let (mut there, mut found) = (guess, Vector::<u8>::new());
+    let until = TermCriteria::new(opencv::core::TermCriteria_COUNT + opencv::core::TermCriteria_EPS, 20, 0.01)?;
+    let patch = Size::new(PATCH_PX, PATCH_PX);
+    opencv::video::calc_optical_flow_pyr_lk(
+        from,
+        into,
+        points,
+        &mut there,
+        &mut found,
+        &mut no_array(),
+        patch,
+        LEVELS,
+        until,
+        opencv::video::OPTFLOW_USE_INITIAL_FLOW,
+        MIN_TEXTURE,
+    )?;
+    Ok((there, found))
+}
+
+fn to_opencv(at: ImagePoint) -> Point2f {
+    Point2f::new((at.x - CORNER_FROM_OPENCV) as f32, (at.y - CORNER_FROM_OPENCV) as f32)
+}
+
+fn from_opencv(at: Point2f) -> ImagePoint {
+    ImagePoint::new(f64::from(at.x) + CORNER_FROM_OPENCV, f64::from(at.y) + CORNER_FROM_OPENCV)
+}

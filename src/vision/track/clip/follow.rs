@@ -1,0 +1,191 @@
+//! Points followed from picture to picture.
+
+use super::super::TrackError;
+#[cfg(feature = "opencv")]
+use super::PointTrack;
+use super::PointTracks;
+#[cfg(feature = "opencv")]
+use super::flow::FlowPicture;
+use crate::media::Picture;
+use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::PixelBox;
+#[cfg(feature = "opencv")]
+use touchline_core::geometry::{ImagePoint, Vec2, median};
+
+/// How points are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FollowOptions {
+    /// So many points are followed at once. 320 by default.
+    pub points: usize,
+    /// New points are looked for where fewer than this share of them is left. .8 by default.
+    pub refill: f64,
+    /// A point is followed through at most so many frames, and then found anew: it may creep. 60 by default.
+    pub longest: usize,
+    /// Pictures wider than this are halved, px. 2000 by default.
+    pub max_width: u32,
+}
+
+impl Default for FollowOptions {
+    fn default() -> Self {
+        Self { points: 320, refill: 0.8, longest: 60, max_width: 2000 }
+    }
+}
+
+/// Follows points through the pictures of a clip, given one after the other.
+pub struct PointFollower {
+    #[cfg_attr(not(feature = "opencv"), expect(dead_code, reason = "flow needs OpenCV"))]
+    options: FollowOptions,
+    tracks: PointTracks,
+    #[cfg(feature = "opencv")]
+    last: Option<Last>,
+}
+
+/// The last picture, and the points that are followed from it on.
+#[cfg(feature = "opencv")]
+struct Last {
+    picture: FlowPicture,
+    alive: Vec<Alive>,
+}
+
+/// A point that is being followed, px of the reduced picture.
+#[cfg(feature = "opencv")]
+#[derive(Clone, Copy)]
+struct Alive {
+    track: usize,
+    at: ImagePoint,
+    /// How it moved last; none for a new one.
+    moved: Option<Vec2>,
+    /// Frames it will still be followed into.
+    left: usize,
+}
+
+impl PointFollower {
+    /// Nothing is followed yet.
+    #[must_use]
+    pub const fn new(image_size: ImageSize, options: FollowOptions) -> Self {
+        Self {
+            options,
+            tracks: PointTracks { image_size, frames: 0, tracks: Vec::new() },
+            #[cfg(feature = "opencv")]
+            last: None,
+        }
+    }
+
+    /// All points followed so far.
+    #[must_use]
+    pub fn finished(self) -> PointTracks {
+        self.tracks
+    }
+
+    /// Follows the points into the next picture, none into or out of the masks; how many were found there.
+    ///
+    /// # Errors
+    /// OpenCV refused; or the program was built without it.
+    #[cfg(not(feature = "opencv"))]
+    pub fn add(&mut self, _: &Picture, _: &[PixelBox]) -> Result<usize, TrackError> {
+        Err(TrackError::WithoutOpenCv)
+    }
+}
+
+/// Points keep at least this distance, as a share of the picture's width.
+#[cfg(feature = "opencv")]
+const DISTANCE_SHARE: f64 = 0.016;
+
+#[cfg(feature = "opencv")]
+impl PointFollower {
+    /// Follows the points into the next picture, none into or out of the masks; how many were found there.
+    ///
+    /// # Errors
+    /// OpenCV refused.
+    pub fn add(&mut self, picture: &Picture, masks: &[PixelBox]) -> Result<usize, TrackError> {
+        self.follow(picture, masks).map_err(|error| TrackError::of_opencv(&error))
+    }
+
+    fn follow(&mut self, picture: &Picture, masks: &[PixelBox]) -> opencv::Result<usize> {
+        let factor = picture.size().width.div_ceil(self.options.max_width).max(1);
+        let full_px = f64::from(factor);
+        let masks: Vec<PixelBox> = masks.iter().map(|mask| mask.scaled(1.0 / full_px)).collect();
+        let mut grey = crate::media::grey_reduced(picture, factor);
+        even_out(&mut grey);
+        let picture = FlowPicture::of(&grey)?;
+        let frame = self.tracks.frames;
+        self.tracks.frames += 1;
+        let mut alive = match self.last.take() {
+            Some(last) => last.followed(&picture, &masks)?,
+            None => Vec::new(),
+        };
+        for point in &alive {
+            self.tracks.tracks[point.track].points.push(scaled(point.at, full_px));
+        }
+        let found = alive.len();
+        alive.retain(|point| point.left > 0);
+        if (alive.len() as f64) < self.options.refill * self.options.points as f64 {
+            let taken: Vec<ImagePoint> = alive.iter().map(|point| point.at).collect();
+            let distance_px = DISTANCE_SHARE * f64::from(grey.size.width);
+            let corners = picture.corners(self.options.points, distance_px, &taken, &masks)?;
+            for (place, at) in corners.into_iter().enumerate() {
+                let track = self.tracks.tracks.len();
+                self.tracks.tracks.push(PointTrack { first: frame, points: vec![scaled(at, full_px)] });
+                // Those that begin together end one after the other.
+                let longest = self.options.longest;
+                let left = (longest / 2 + (place * 7) % (longest / 2 + 1)).max(1);
+                alive.push(Alive { track, at, moved: None, left });
+            }
+        }
+        self.last = Some(Last { picture, alive });
+        Ok(found)
+    }
+}
+
+#[cfg(feature = "opencv")]
+impl Last {
+    /// The points that are found in the next picture.
+    fn followed(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
+        let along = |axis: usize| {
+            let mut moved: Vec<f64> = self.alive.iter().filter_map(|point| Some(point.moved?[axis])).collect();
+            median(&mut moved).unwrap_or(0.0)
+        };
+        let usual = Vec2::new(along(0), along(1));
+        let guess = |point: &Alive| (point.at, point.at.moved(point.moved.unwrap_or(usual)));
+        let points: Vec<_> = self.alive.iter().map(guess).collect();
+        let found = self.picture.followed(into, &points)?;
+        let next = |(point, found): (&Alive, Option<ImagePoint>)| {
+            let at = found.filter(|at| !masks.iter().any(|mask| mask.contains(*at)))?;
+            let moved = Some(at.offset_from(point.at));
+            Some(Alive { at, moved, left: point.left - 1, ..*point })
+        };
+        Ok(self.alive.iter().zip(found).filter_map(next).collect())
+    }
+}
+
+/// The mean and the scatter that every picture is given: flow takes it that a point keeps its brightness, and a camera that opens
+/// its iris changes that of all.
+#[cfg(feature = "opencv")]
+const LEVEL: f64 = 110.0;
+#[cfg(feature = "opencv")]
+const CONTRAST: f64 = 45.0;
+
+/// Gives a picture the usual mean and scatter.
+#[cfg(feature = "opencv")]
+fn even_out(grey: &mut crate::media::GreyPicture) {
+    let count = grey.values.len().max(1) as f64;
+    let mut numbers = [0_u32; 256];
+    for value in &grey.values {
+        numbers[usize::from(*value)] += 1;
+    }
+    let weighted = |of: &dyn Fn(f64) -> f64| {
+        numbers.iter().enumerate().map(|(value, number)| of(value as f64) * f64::from(*number)).sum::<f64>() / count
+    };
+    let mean = weighted(&|value| value);
+    let scatter = weighted(&|value| (value - mean).powi(2)).sqrt().max(1.0);
+    let level = |value: usize| ((value as f64 - mean) * (CONTRAST / scatter) + LEVEL).round().clamp(0.0, 255.0) as u8;
+    let levels: [u8; 256] = std::array::from_fn(level);
+    for value in &mut grey.values {
+        *value = levels[usize::from(*value)];
+    }
+}
+
+#[cfg(feature = "opencv")]
+fn scaled(at: ImagePoint, by: f64) -> ImagePoint {
+    ImagePoint::new(at.x * by, at.y * by)
+}

@@ -1,0 +1,79 @@
+//! Points followed through a clip.
+
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
+
+/// One point of the scene, in frame after frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointTrack {
+    /// The first frame that shows it, by its place in the clip.
+    pub first: usize,
+    /// Where it is in that frame and in each one after, px.
+    pub points: Vec<ImagePoint>,
+}
+
+/// All points followed through a clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointTracks {
+    /// The size of all frames, px.
+    pub image_size: ImageSize,
+    /// How many frames were looked at.
+    pub frames: usize,
+    /// In the order in which they begin.
+    pub tracks: Vec<PointTrack>,
+}
+
+impl PointTracks {
+    /// The same without what masks cover: `masks` has those of each frame. A point that comes out of a mask is another one.
+    #[must_use]
+    pub fn outside(&self, masks: &[Vec<PixelBox>]) -> Self {
+        let is_covered = |frame: usize, point: ImagePoint| {
+            masks.get(frame).is_some_and(|masks| masks.iter().any(|mask| mask.contains(point)))
+        };
+        let mut tracks: Vec<PointTrack> = Vec::with_capacity(self.tracks.len());
+        for track in &self.tracks {
+            let mut is_followed = false;
+            for (frame, point) in (track.first..).zip(&track.points) {
+                let is_open = !is_covered(frame, *point);
+                match tracks.last_mut().filter(|_| is_followed) {
+                    Some(last) if is_open => last.points.push(*point),
+                    None if is_open => tracks.push(PointTrack { first: frame, points: vec![*point] }),
+                    _ => {}
+                }
+                is_followed = is_open;
+            }
+        }
+        tracks.sort_by_key(|track| track.first);
+        Self { tracks, ..*self }
+    }
+
+    /// For each frame the tracks that show it, each with the place of the frame in it.
+    pub(super) fn by_frame(&self) -> Vec<Vec<(usize, usize)>> {
+        let mut frames = vec![Vec::new(); self.frames];
+        for (track, followed) in self.tracks.iter().enumerate() {
+            for place in 0..followed.points.len() {
+                frames[followed.first + place].push((track, place));
+            }
+        }
+        frames
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_that_passes_under_a_mask_is_another_one_behind_it() {
+        let points = (0..6).map(|at| ImagePoint::new(10.0 * f64::from(at), 5.0)).collect();
+        let track = PointTrack { first: 2, points };
+        let tracks = PointTracks { image_size: ImageSize::new(64, 36), frames: 8, tracks: vec![track.clone()] };
+        let mask = PixelBox { x: 18.0, y: 0.0, width: 14.0, height: 20.0 };
+        let left = tracks.outside(&vec![vec![mask]; 8]);
+        let lengths: Vec<_> = left.tracks.iter().map(|track| (track.first, track.points.len())).collect();
+        assert_eq!(lengths, [(2, 2), (6, 2)]);
+        assert_eq!(left.tracks[1].points[0], track.points[4]);
+        assert_eq!(tracks.outside(&[]), tracks);
+        let only_one = tracks.outside(&[vec![], vec![], vec![PixelBox { x: 0.0, ..mask }]]);
+        assert_eq!((only_one.tracks.len(), only_one.tracks[0].first), (1, 3));
+    }
+}

@@ -1,0 +1,52 @@
+//! Frames that hang together by their ties.
+
+use super::Tie;
+
+/// The groups of `count` frames that ties lead through, the largest first, each in order; a frame without a tie is a group of
+/// its own.
+#[must_use]
+pub fn groups(count: usize, ties: &[Tie]) -> Vec<Vec<usize>> {
+    let mut group_of: Vec<usize> = (0..count).collect();
+    for tie in ties {
+        let (one, other) = (root(&mut group_of, tie.first), root(&mut group_of, tie.second));
+        group_of[one.max(other)] = one.min(other);
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for frame in 0..count {
+        let of = root(&mut group_of, frame);
+        groups[of].push(frame);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups.sort_by_key(|group| (std::cmp::Reverse(group.len()), group[0]));
+    groups
+}
+
+/// The frame that stands for the group of one; the way there is shortened.
+fn root(group_of: &mut [usize], mut frame: usize) -> usize {
+    while group_of[frame] != frame {
+        group_of[frame] = group_of[group_of[frame]];
+        frame = group_of[frame];
+    }
+    frame
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::Mat3;
+
+    #[test]
+    fn frames_hang_together_over_others_and_the_largest_group_is_first() {
+        let tie = |(first, second)| Tie {
+            first,
+            second,
+            matches: Vec::new(),
+            agreeing: 20,
+            second_from_first: Mat3::identity(),
+        };
+        let ties: Vec<Tie> = [(1, 4), (0, 2), (4, 5)].map(tie).to_vec();
+        assert_eq!(groups(6, &ties), [vec![1, 4, 5], vec![0, 2], vec![3]]);
+        assert_eq!(groups(2, &[]), [vec![0], vec![1]]);
+        assert!(groups(0, &[]).is_empty());
+    }
+}

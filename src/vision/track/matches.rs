@@ -1,0 +1,101 @@
+//! Features of two frames that look alike.
+
+use crate::features::{DESCRIPTOR_BYTES, Features};
+use nalgebra::DMatrix;
+
+/// A match counts if the next best is farther by this factor (Lowe, 2004).
+const RATIO: f32 = 0.8;
+
+/// The pairs of features that are each other's most alike, by their numbers, those that have a rival nearly as good left out.
+pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usize, usize)> {
+    let mut forth = vec![Nearest::NONE; first.lengths.len()];
+    let mut back = vec![Nearest::NONE; second.lengths.len()];
+    // Not `tr_mul`, which takes one scalar product at a time.
+    let products = first.descriptors.transpose() * &second.descriptors;
+    for (to, there) in back.iter_mut().enumerate() {
+        let length = second.lengths[to];
+        for ((from, here), product) in forth.iter_mut().enumerate().zip(products.column(to)) {
+            let distance = first.lengths[from] + length - 2.0 * product;
+            here.see(to, distance);
+            there.see(from, distance);
+        }
+    }
+    let mutual = |(from, to): (usize, &Nearest)| {
+        let to = to.unrivalled()?;
+        (back[to].unrivalled() == Some(from)).then_some((from, to))
+    };
+    forth.iter().enumerate().filter_map(mutual).collect()
+}
+
+/// Descriptors made ready to be compared with many others at once: all distances follow from one product of matrices.
+pub(super) struct Described {
+    /// One in each column.
+    descriptors: DMatrix<f32>,
+    /// Their squared lengths.
+    lengths: Vec<f32>,
+}
+
+impl Described {
+    pub fn of(features: &Features) -> Self {
+        let column = |index: usize, row: usize| f32::from(features.descriptors[index].0[row]);
+        let descriptors = DMatrix::from_fn(DESCRIPTOR_BYTES, features.len(), |row, index| column(index, row));
+        let lengths = descriptors.column_iter().map(|column| column.norm_squared()).collect();
+        Self { descriptors, lengths }
+    }
+}
+
+/// The most alike of what was seen, and how far off that and the next are, squared bytes.
+#[derive(Clone, Copy)]
+struct Nearest {
+    best: usize,
+    first: f32,
+    second: f32,
+}
+
+impl Nearest {
+    const NONE: Self = Self { best: usize::MAX, first: f32::INFINITY, second: f32::INFINITY };
+
+    fn see(&mut self, index: usize, distance: f32) {
+        if distance < self.first {
+            *self = Self { best: index, first: distance, second: self.first };
+        } else if distance < self.second {
+            self.second = distance;
+        }
+    }
+
+    /// The most alike; none where the next is nearly as alike.
+    fn unrivalled(&self) -> Option<usize> {
+        (self.best != usize::MAX && self.first < RATIO * RATIO * self.second).then_some(self.best)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::{Descriptor, Keypoint};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+
+    fn features(descriptors: Vec<Descriptor>) -> Described {
+        let keypoint = Keypoint { point: ImagePoint::new(0.0, 0.0), size_px: 4.0, strength: 1.0 };
+        let keypoints = vec![keypoint; descriptors.len()];
+        Described::of(&Features { image_size: ImageSize::new(64, 36), keypoints, descriptors })
+    }
+
+    fn descriptor(seed: u32) -> Descriptor {
+        Descriptor(std::array::from_fn(|i| ((seed * 7919 + 13).wrapping_mul(i as u32 * 31 + 17) >> 9) as u8))
+    }
+
+    #[test]
+    fn what_looks_alike_is_matched_and_what_has_a_rival_is_not() {
+        let mut near = descriptor(2);
+        near.0[5] = near.0[5].wrapping_add(3);
+        let one = features(vec![descriptor(1), descriptor(2), descriptor(3)]);
+        let other = features(vec![descriptor(9), near, descriptor(1)]);
+        assert_eq!(mutual_matches(&one, &other), [(0, 2), (1, 1)]);
+        let mut beside = descriptor(2);
+        beside.0[70] = beside.0[70].wrapping_add(3);
+        let twice = features(vec![near, beside, descriptor(1)]);
+        assert_eq!(mutual_matches(&one, &twice), [(0, 2)], "two look alike");
+        assert!(mutual_matches(&one, &features(Vec::new())).is_empty());
+    }
+}

@@ -1,0 +1,225 @@
+//! The least-squares problem of frames tied to each other: every match is one direction, seen by two frames.
+
+use super::Tie;
+use super::anchor_residual::Hold;
+use super::axis::{USUAL_TILT, upright_from_common};
+use super::tie_residual::{Sight, View, by_turn};
+use nalgebra::{DVector, Vector1};
+use touchline_core::camera::{FocalCurve, PanTilt, Ptz};
+use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt};
+use touchline_core::geometry::{Angle, Mat3, Vec3, median};
+use touchline_core::solve::{DenseEquations, Loss, Problem};
+
+/// What a match counts for that lies beyond the fold of the lens, px at 1920 px width.
+const NOWHERE_PX: f64 = 1000.0;
+
+/// 1-σ of how far down cameras at a field look, where the ties leave it open.
+const TILT_SIGMA: Angle = Angle::from_degrees(15.0);
+
+/// What of a frame's rotation is free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Freedom {
+    /// All of it.
+    Any,
+    /// Pan and tilt about the common frame's axes.
+    PanTilt,
+}
+
+impl Freedom {
+    /// Parameters of a frame: the rotation's, then the logarithm of the focal length.
+    const fn parameters(self) -> usize {
+        match self {
+            Self::Any => 4,
+            Self::PanTilt => 3,
+        }
+    }
+}
+
+pub(super) struct Tied<'a> {
+    pub ties: &'a [Tie],
+    pub freedom: Freedom,
+    pub loss: Loss,
+    /// Px of these frames in a px at 1920 px width.
+    pub px: f64,
+    pub expected: FocalCurve,
+    /// 1-σ of k₁ and of its slope.
+    pub sigma: [f64; 2],
+    /// Whether the mean of the focal lengths' logarithms stays.
+    pub fixed_scale: bool,
+    /// What is known of the frames where their base is; none where only the ties are.
+    pub held: Option<&'a [Hold]>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct TiedState {
+    pub views: Vec<View>,
+    pub lens: FocalCurve,
+}
+
+/// The parameters of the lens stand first.
+pub(super) const LENS: usize = 2;
+
+impl Problem for Tied<'_> {
+    type State = TiedState;
+    type Equations = DenseEquations;
+
+    fn equations(&self, at: &TiedState) -> DenseEquations {
+        let own = self.freedom.parameters();
+        let mut equations = DenseEquations::zero(LENS + own * at.views.len());
+        for tie in self.ties {
+            let frames = [tie.first, tie.second];
+            let [one, other] = frames.map(|frame| &at.views[frame]);
+            for (first, second) in &tie.matches {
+                let sights = (one.sight(*first, &at.lens), other.sight(*second, &at.lens));
+                let (Some(here), Some(there)) = sights else {
+                    equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
+                    continue;
+                };
+                let ranges_px = [one.range_px(*first), other.range_px(*second)];
+                let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
+                let value = (here.direction - there.direction) * range_px;
+                let mut by = Vec::with_capacity(LENS + 8);
+                let by_k1 = |sight: &Sight, view: &View| {
+                    let kilo_px = (view.focal_px - at.lens.at_focal_px) / 1000.0;
+                    [sight.by_k1, sight.by_k1 * kilo_px]
+                };
+                let (by_here, by_there) = (by_k1(&here, one), by_k1(&there, other));
+                by.extend((0..LENS).map(|at| (at, (by_here[at] - by_there[at]) * range_px)));
+                for (side, (view, sight, sign)) in [(one, &here, 1.0), (other, &there, -1.0)].into_iter().enumerate() {
+                    let first = LENS + own * frames[side];
+                    let weight = sign * range_px;
+                    match self.freedom {
+                        Freedom::Any => {
+                            let turn = by_turn(sight.direction) * weight;
+                            by.extend((0..3).map(|axis| (first + axis, turn.column(axis).into_owned())));
+                        }
+                        Freedom::PanTilt => {
+                            let axes = view.pan_and_tilt_axes().into_iter().enumerate();
+                            by.extend(axes.map(|(at, axis)| (first + at, axis.cross(&sight.direction) * weight)));
+                        }
+                    }
+                    // The focal length is also part of the measure of the distance.
+                    let of_measure = 0.5 * (view.focal_px / ranges_px[side]).powi(2);
+                    by.push((first + own - 1, sight.by_log_focal * weight + value * of_measure));
+                }
+                equations.add(&value, self.px, &by, self.loss);
+            }
+        }
+        self.add_priors(at, &mut equations);
+        equations
+    }
+
+    fn stepped(&self, from: &TiedState, step: &DVector<f64>) -> TiedState {
+        let own = self.freedom.parameters();
+        let lens =
+            FocalCurve { value: from.lens.value + step[0], per_1000_px: from.lens.per_1000_px + step[1], ..from.lens };
+        let views = from.views.iter().enumerate().map(|(frame, view)| {
+            let first = LENS + own * frame;
+            let cam_from_common = match self.freedom {
+                Freedom::Any => {
+                    let turn = Vec3::new(step[first], step[first + 1], step[first + 2]);
+                    nearest_rotation(&(view.cam_from_common * from_rotation_vector(turn)))
+                }
+                Freedom::PanTilt => {
+                    let ray = view.ray();
+                    let (pan, tilt) = (Angle::from_radians(step[first]), Angle::from_radians(step[first + 1]));
+                    q_tilt(ray.tilt + tilt) * q_pan(ray.pan + pan)
+                }
+            };
+            View { cam_from_common, focal_px: view.focal_px * step[first + own - 1].clamp(-0.7, 0.7).exp(), ..*view }
+        });
+        TiedState { views: views.collect(), lens }
+    }
+}
+
+impl Tied<'_> {
+    /// What is known beforehand: the lens, the gauge, and loosely how far down cameras look.
+    fn add_priors(&self, at: &TiedState, equations: &mut DenseEquations) {
+        /// Holds what no measurement changes.
+        const FIXED: f64 = 1e-6;
+        /// A robust loss would let the priors go.
+        const SURE: Loss = Loss::Squared;
+        let own = self.freedom.parameters();
+        let one = Vector1::new(1.0);
+        let off = [at.lens.value - self.expected.value, at.lens.per_1000_px - self.expected.per_1000_px];
+        for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
+            equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
+        }
+        if let Some(held) = self.held {
+            let ptz = at.ptz();
+            for hold in held {
+                hold.add(ptz[hold.frame], LENS + own * hold.frame, equations);
+            }
+            return;
+        }
+        let gauge = match self.freedom {
+            Freedom::Any => 0..3,
+            Freedom::PanTilt => 0..1,
+        };
+        for parameter in gauge {
+            equations.add(&Vector1::new(0.0), FIXED, &[(LENS + parameter, one)], SURE);
+        }
+        if self.freedom == Freedom::PanTilt {
+            for (frame, view) in at.views.iter().enumerate() {
+                let tilt = view.ray().tilt;
+                let value = Vector1::new((tilt - USUAL_TILT).radians());
+                equations.add(&value, TILT_SIGMA.radians(), &[(LENS + own * frame + 1, one)], SURE);
+            }
+        }
+        if self.fixed_scale {
+            let share = Vector1::new(1.0 / at.views.len() as f64);
+            let of_all: Vec<_> = (0..at.views.len()).map(|frame| (LENS + own * frame + own - 1, share)).collect();
+            equations.add(&Vector1::new(0.0), FIXED, &of_all, SURE);
+        }
+    }
+}
+
+impl TiedState {
+    /// The same with the pan axis along the common frame's y axis, and every frame without roll.
+    pub fn upright(mut self) -> Self {
+        let turns: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
+        if let Some(upright) = upright_from_common(&turns) {
+            for view in &mut self.views {
+                let forward = upright * view.cam_from_common.row(2).transpose();
+                let ray = PanTilt::from_direction(forward);
+                view.cam_from_common = q_tilt(ray.tilt) * q_pan(ray.pan);
+            }
+        }
+        self
+    }
+
+    /// The same with all focal lengths longer by a factor, and all angles from the middle smaller by it.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        let rays: Vec<PanTilt> = self.views.iter().map(View::ray).collect();
+        let middle = rays.iter().map(|ray| ray.tilt.radians()).sum::<f64>() / rays.len() as f64;
+        for (view, ray) in self.views.iter_mut().zip(rays) {
+            let tilt = middle + (ray.tilt.radians() - middle) / factor;
+            let pan = ray.pan.radians() / factor;
+            view.cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
+            view.focal_px *= factor;
+        }
+        self
+    }
+
+    pub fn ptz(&self) -> Vec<Ptz> {
+        let ptz = |view: &View| {
+            let PanTilt { pan, tilt } = view.ray();
+            Ptz { pan, tilt, focal_px: view.focal_px }
+        };
+        self.views.iter().map(ptz).collect()
+    }
+}
+
+/// The median distance of the matches, px.
+pub(super) fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
+    let mut distances = Vec::new();
+    for tie in ties {
+        let (one, other) = (&at.views[tie.first], &at.views[tie.second]);
+        distances.extend(tie.matches.iter().filter_map(|(first, second)| {
+            let (here, there) = (one.sight(*first, &at.lens)?, other.sight(*second, &at.lens)?);
+            let range_px = (one.range_px(*first) * other.range_px(*second)).sqrt();
+            Some((here.direction - there.direction).norm() * range_px)
+        }));
+    }
+    median(&mut distances).unwrap_or(f64::INFINITY)
+}

@@ -1,0 +1,83 @@
+//! An application with an opened document, driven by actions; what tests of the application share.
+
+use touchline_application::app::operation::{Failure, Job, Operation, Report};
+use touchline_application::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline_core::camera::{BaseAngles, CameraBase, PtzCamera};
+use touchline_core::field::builtin;
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_documents::document::Document;
+
+pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+/// The document without the counts of its frames' edits: what undo brings back counts as another edit.
+pub fn uncounted(document: &Document) -> Document {
+    let mut document = document.clone();
+    document.frames.iter_mut().for_each(|frame| frame.revision = 0);
+    document
+}
+
+/// The base of the drawn truth.
+pub fn base() -> CameraBase {
+    CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+/// Where a camera sees a landmark of the soccer field.
+pub fn landmark_in(camera: &PtzCamera, landmark: &str) -> ImagePoint {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let world = field.landmark_in_world(field.landmark(landmark).unwrap());
+    camera.image_from_world(world).unwrap()
+}
+
+/// The application and every effect since the document was opened.
+pub struct Bench {
+    pub app: App,
+    pub effects: Vec<Effect>,
+}
+
+impl Bench {
+    pub fn new(document: Document) -> Self {
+        let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
+        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
+        bench.effects.clear();
+        bench
+    }
+
+    pub fn act(&mut self, action: Action) {
+        self.effects.extend(self.app.update(action));
+    }
+
+    pub fn command(&mut self, command: Command) {
+        self.act(Action::Command(command));
+    }
+
+    pub fn click(&mut self, at: ImagePoint) {
+        self.act(Action::Press { at, on: None });
+        self.act(Action::Release);
+    }
+
+    /// The request of an operation that was started last.
+    pub fn started<O: Operation>(&self) -> Job {
+        let jobs = self.effects.iter().filter_map(|effect| match effect {
+            Effect::Start(job) if job.name() == O::NAME => Some(job),
+            _ => None,
+        });
+        jobs.last().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
+    }
+
+    /// The operation that was started last has come this far.
+    #[cfg(feature = "opencv")]
+    pub fn report_progress<O: Operation>(&mut self, progress: O::Progress) {
+        let id = self.started::<O>().id();
+        self.act(Action::Report(Report::of_progress::<O>(id, progress)));
+    }
+
+    /// The operation that was started last has ended.
+    pub fn report_end<O: Operation>(&mut self, result: Result<O::Output, Failure<O::Error>>) {
+        let id = self.started::<O>().id();
+        self.act(Action::Report(Report::of_end::<O>(id, result)));
+    }
+
+    pub fn last_notice(&self) -> &str {
+        self.app.session.notices.last().map_or("", |notice| notice.text.as_str())
+    }
+}

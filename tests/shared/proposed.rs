@@ -1,0 +1,75 @@
+//! Documents whose frames are proposed, and what a forest says of a frame.
+
+use crate::bench::{SIZE, base};
+use touchline_calibration::proposals::{Answer, Asked, Proposal, Timings};
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::Mat3;
+use touchline_documents::document::{
+    Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+};
+use touchline_vision::relocalize::NotFound;
+
+/// The truth of frame `index`: a slow pan.
+pub fn truth(index: usize) -> Ptz {
+    Ptz::from_degrees(-4.0 + 0.2 * index as f64, -14.0, 2300.0)
+}
+
+/// Frames of one camera and one clip, nothing done.
+pub fn blank(frames: usize) -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base());
+    document.cameras.push(camera.into());
+    for index in 0..frames {
+        let mut frame = Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE);
+        frame.clip = Some(Clip::Number(1));
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+/// A document whose frames are suggested with these confidences; none: the forest has no answer.
+pub fn suggested(confidences: &[Option<f64>]) -> Document {
+    let mut document = blank(confidences.len());
+    for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
+        let mut solution =
+            Solution { source: Some(SolutionSource::Forest), confidence: *confidence, ..Solution::default() };
+        if confidence.is_some() {
+            frame.ptz = Some(FramePtz::new(truth(index), None));
+            frame.status = FrameStatus::Suggested;
+        } else {
+            solution.warnings.push(SolutionWarning::new("coverage", "3 features are too few".to_owned()));
+        }
+        frame.solution = Some(solution);
+    }
+    document
+}
+
+/// What the forest says of a frame of a document.
+pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
+    let outcome = match pan_deg {
+        Some(pan_deg) => Ok(Answer {
+            ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -14.0, 2300.0), None),
+            covariance: Mat3::identity(),
+            own_covariance: Mat3::identity(),
+            rms_px: 1.0,
+            worst_corner_sigma_px: 2.0,
+            confidence: 0.9,
+            inliers: 100,
+            places: 20,
+            evidence: touchline_vision::relocalize::Evidence {
+                breadth_px: 200.0,
+                features_sigma_px: 0.5,
+                labelled_sigma_px: 2.0,
+                from_reference: touchline_vision::relocalize::FromReference::default(),
+                at_most: 1.0,
+            },
+            line_check: None,
+            samples: None,
+        }),
+        None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),
+    };
+    let frame = &document.frames[frame];
+    let asked = Asked::of(document, frame);
+    Proposal { frame: frame.id.clone(), asked, generation, outcome, timings: Timings::default() }
+}
