@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use touchline::document::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
-use touchline::proposals::SURE;
+use touchline::relocalize::CERTAIN;
 use touchline::relocalize::ForestModel;
 
 fn document(path: &Path) -> Document {
@@ -95,7 +95,7 @@ fn a_forest_of_the_references_answers_the_other_frames() {
     }
     assert!(answered >= 3, "{answered} of 5: {}", ran.stderr);
     // One frame may be without an answer, or uncertain: then it is the one to label.
-    let sure = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence) >= Some(SURE);
+    let sure = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence) >= Some(CERTAIN);
     let next = answers.frames.iter().filter(|frame| frame.status != FrameStatus::Reference && !sure(frame));
     let named = |frame: &Frame| ran.stderr.contains(&format!("Begin with {}.", frame.name()));
     assert_eq!(next.clone().any(|frame| named(frame)), next.count() > 0, "{}", ran.stderr);

@@ -18,6 +18,7 @@ use touchline_core::solve::{
     ClickResidual, FrameSolution, GOOD_CORNER_SIGMA_PX, IdentityFinding, Judgement, Verdict, WarningCode, judge,
 };
 use touchline_documents::document::{Click, Frame, FramePtz, Solution, SolutionSource};
+use touchline_vision::relocalize::CERTAIN;
 
 /// How many solved frames of other shots, on either side, tell where a camera usually looks.
 const ELSEWHERE: usize = 20;
@@ -244,9 +245,6 @@ impl Current {
         self.solved()?.alternatives.first().filter(|other| other.plausible).map(|other| other.ptz)
     }
 }
-
-/// A suggestion at least this certain is good.
-const CERTAIN: f64 = 0.9;
 
 /// The verdict on a camera that lies on the painted lines: they bear it out, or it would not have been taken. Where it states how
 /// certain it is that word decides: the worst corner of a picture may lie far from every line.

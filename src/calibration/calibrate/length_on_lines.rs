@@ -16,6 +16,7 @@ use touchline_core::geometry::Vec3;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame};
 use touchline_vision::paint::{GroundPicture, check_lines};
+use touchline_vision::relocalize::CERTAIN;
 
 /// The code of a warning that the lines of a field's middle may lie off, because nobody has measured its length.
 pub(crate) const LENGTH_UNSEEN: &str = "length_unseen";
@@ -26,9 +27,8 @@ const FRAMES: usize = 16;
 /// Fewer frames with doubts say nothing: a player's legs can look like a line.
 const FEWEST: usize = 3;
 
-/// A frame that is less certain has doubts, and one that is more certain has none.
+/// A frame that is less certain than this has doubts.
 const DOUBTED: f64 = 0.5;
-const CERTAIN: f64 = 0.9;
 
 /// Lengths are tried at these distances, first from limit to limit, then around the best, m.
 const COARSE_M: f64 = 0.5;

@@ -18,7 +18,7 @@ const BLIND_OVERLAP: f64 = 0.5;
 pub struct LabelAdvice {
     /// Frames without an answer.
     pub unanswered: usize,
-    /// Suggestions that the forest is not sure of: see [`SURE`](super::SURE).
+    /// Suggestions that the forest is not sure of: see [`CERTAIN`](touchline_vision::relocalize::CERTAIN).
     pub uncertain: usize,
     /// The frame to label next; none where every frame has its answer, or none of the others has a picture.
     pub next: Option<LabelNext>,
@@ -105,12 +105,13 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::proposals::{CoverageCell, SURE};
+    use crate::proposals::CoverageCell;
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{
         Clip, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
     };
+    use touchline_vision::relocalize::CERTAIN;
 
     const SURELY: f64 = 0.99;
 
@@ -197,7 +198,7 @@ mod tests {
         assert_eq!((found.unanswered, found.uncertain), (0, 3));
         let next = found.next.unwrap();
         assert_eq!((next.frame, next.pan_deg, next.shared_by), (0, Some(0.0), 2));
-        let all_sure = [(1, Some((0.0, SURELY))), (1, Some((3.0, SURE)))];
+        let all_sure = [(1, Some((0.0, SURELY))), (1, Some((3.0, CERTAIN)))];
         assert_eq!(label_advice(&document(&all_sure), &[]), LabelAdvice::default());
     }
 

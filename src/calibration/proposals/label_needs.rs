@@ -6,9 +6,7 @@
 use super::needing_frames::{Look, Needing, NeedingFrames};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames};
-
-/// An answer that is right with this probability needs no further reference.
-pub const SURE: f64 = 0.9;
+use touchline_vision::relocalize::CERTAIN;
 
 /// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
 const BESIDE: usize = 2;
@@ -20,7 +18,7 @@ pub struct LabelNeeds {
     frames: Frames,
     /// Frames without an answer.
     pub(super) unanswered: usize,
-    /// Suggestions that the forest is not sure of: see [`SURE`].
+    /// Suggestions that the forest is not sure of: see [`CERTAIN`].
     pub(super) uncertain: usize,
     shots: BTreeMap<ShotKey, Shot>,
     /// Those of which is known where they look, by camera.
@@ -184,7 +182,7 @@ fn can_be_labelled(frame: &Frame) -> bool {
     frame.is_unanswered() && warnings.all(|warning| warning.code != "picture")
 }
 
-/// Whether the forest is not sure of a frame's suggestion: see [`SURE`].
+/// Whether the forest is not sure of a frame's suggestion: see [`CERTAIN`].
 #[must_use]
 pub fn is_uncertain(frame: &Frame) -> bool {
     doubt(frame).is_some()
@@ -193,7 +191,7 @@ pub fn is_uncertain(frame: &Frame) -> bool {
 /// The probability that its suggestion is wrong; none where that is sure, or nobody says.
 fn doubt(frame: &Frame) -> Option<f64> {
     let confidence = frame.solution.as_ref().filter(|_| frame.status == FrameStatus::Suggested)?.confidence?;
-    (confidence < SURE).then_some(1.0 - confidence.max(0.0))
+    (confidence < CERTAIN).then_some(1.0 - confidence.max(0.0))
 }
 
 #[cfg(test)]

@@ -60,7 +60,7 @@ pub use expected_wrong::ExpectedWrong;
 pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
 pub use key_frames::KeyWindow;
-pub use label_needs::{LabelNeeds, SURE, is_uncertain};
+pub use label_needs::{LabelNeeds, is_uncertain};
 pub use layer::{Layered, Offer};
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_evidence::LineEvidence;

@@ -16,7 +16,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
-    ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, relocalize, train_without,
+    CERTAIN, ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, relocalize, train_without,
 };
 
 /// Where there is only one shot, references this close in time are left out together, s.
@@ -100,8 +100,7 @@ impl Quality {
     /// What is to be stated of answers at most, by those that were found with certainty.
     #[must_use]
     pub fn shown(&self) -> Shown {
-        let certain =
-            self.asked.iter().filter_map(|asked| asked.found).filter(|found| found.confidence >= Shown::CERTAIN);
+        let certain = self.asked.iter().filter_map(|asked| asked.found).filter(|found| found.confidence >= CERTAIN);
         let right = certain.clone().filter(|found| found.error_px <= RIGHT_PX);
         Shown { certain: certain.count() as u32, right: right.count() as u32 }
     }

@@ -1,6 +1,6 @@
 //! References that look nearly the same way, and where one looks as seen from the other.
 
-use super::{Pose, PoseOptions, RayCandidate, RayMatches, pose_of_moving};
+use super::{CERTAIN, Pose, PoseOptions, RayCandidate, RayMatches, pose_of_moving};
 use crate::features::{DESCRIPTOR_NORM, Descriptor, Features};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::Angle;
@@ -14,9 +14,6 @@ pub struct Reference<'a> {
     /// Its base, pointed as the label says.
     pub camera: PtzCamera,
 }
-
-/// How sure it must be where the second looks.
-const MIN_CONFIDENCE: f64 = 0.9;
 
 /// The squared distance of descriptors that may show one place, of descriptors of unit length.
 const MAX_SQUARED_DISTANCE: f32 = 0.2;
@@ -42,7 +39,7 @@ pub(super) fn seen_from(first: &Reference, second: &Reference, features: usize) 
         let Ok(ray) = first.camera.ray_from_image(first.features.keypoints[one].point) else { continue };
         matches.push(second.features.keypoints[other].point, &[RayCandidate { ray, squared_distance }]);
     }
-    let pose = PoseOptions { min_confidence: MIN_CONFIDENCE, ..PoseOptions::default() };
+    let pose = PoseOptions { min_confidence: CERTAIN, ..PoseOptions::default() };
     let found = pose_of_moving(&matches, second.features, second.camera.base(), &[first.camera.ptz()], &pose);
     found.ok().map(|(pose, _)| pose)
 }

@@ -3,7 +3,7 @@
 /// How often a forest was right about references that it was not trained on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
-    /// Answers that were stated to be certain: see [`Shown::CERTAIN`].
+    /// Answers that were stated to be certain: see [`CERTAIN`].
     pub certain: u32,
     /// Those of them that were right.
     pub right: u32,
@@ -15,10 +15,11 @@ const BEFORE: f64 = 20.0;
 /// What it says of answers that are certain.
 const RIGHT_BEFORE: f64 = 0.998;
 
-impl Shown {
-    /// An answer of at least this confidence is stated to be certain.
-    pub const CERTAIN: f64 = 0.9;
+/// An answer that is right with at least this probability is stated to be certain: other frames rest on it, and nobody has to look at
+/// it before it is used.
+pub const CERTAIN: f64 = 0.9;
 
+impl Shown {
     /// No answer is stated with a greater probability than this: the share of certain answers that were right, beside what is
     /// known from other matches. 1 where nothing was measured.
     #[must_use]

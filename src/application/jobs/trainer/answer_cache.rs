@@ -1,9 +1,9 @@
 //! The forest's answers so far, so that no frame is asked for twice without a reason.
 
 use std::collections::BTreeMap;
-use touchline_calibration::proposals::{Asked, NoProposal, Proposal, SURE};
+use touchline_calibration::proposals::{Asked, NoProposal, Proposal};
 use touchline_documents::document::{Document, Frame, FrameId, SolutionSource};
-use touchline_vision::relocalize::ForestModel;
+use touchline_vision::relocalize::{CERTAIN, ForestModel};
 
 /// The answers so far, by frame.
 #[derive(Debug, Default)]
@@ -81,7 +81,7 @@ impl AnswerCache {
         let is_older = entry.by.generation < asking.generation;
         match entry.answer {
             CachedAnswer::Camera(confidence) => {
-                let is_doubtful = confidence < SURE || entry.by.generation < self.trusted_from;
+                let is_doubtful = confidence < CERTAIN || entry.by.generation < self.trusted_from;
                 entry.by.snapping != asking.snapping || is_older && is_doubtful
             }
             CachedAnswer::NotFound => is_older,

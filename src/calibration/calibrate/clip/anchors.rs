@@ -5,10 +5,8 @@ use crate::calibrate::own_covariance;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameStatus, SolutionSource};
+use touchline_vision::relocalize::CERTAIN;
 use touchline_vision::track::{Anchor, AnchorSource};
-
-/// A proposal less certain than this holds nothing.
-pub(super) const SURE: f64 = 0.9;
 
 /// What is known of a clip's frames, and how certain the most certain of it is.
 pub(super) fn anchors(
@@ -36,9 +34,9 @@ fn confidence_of(frame: &Frame) -> Option<f64> {
     }
     let solution = frame.solution.as_ref()?;
     // Another program's camera says nothing of how exact it is. It holds weakly, and the points and the paint of the clip judge it.
-    let unstated = (solution.source == Some(SolutionSource::Import)).then_some(SURE);
+    let unstated = (solution.source == Some(SolutionSource::Import)).then_some(CERTAIN);
     let confidence = solution.confidence.or(unstated)?;
-    (confidence >= SURE && !frame.is_carried()).then_some(confidence)
+    (confidence >= CERTAIN && !frame.is_carried()).then_some(confidence)
 }
 
 fn is_persons(frame: &Frame) -> bool {
@@ -79,7 +77,7 @@ mod tests {
         use FrameStatus::{Draft, Reference, Suggested};
         use SolutionSource::{Forest, Import, Markings, Tracking};
         for (source, confidence, status, holds) in [
-            (Import, None, Draft, Some(SURE)),
+            (Import, None, Draft, Some(CERTAIN)),
             (Import, None, Reference, Some(1.0)),
             (Markings, Some(0.97), Suggested, Some(0.97)),
             (Forest, Some(0.6), Suggested, None),
