@@ -11,7 +11,7 @@ pub struct Shader {
 
 macro_rules! on_canvas {
     ($name:literal) => {
-        Shader { name: $name, wgsl: concat!(include_str!("view.wgsl"), include_str!(concat!("", $name))) }
+        Shader { name: $name, wgsl: concat!(include_str!("view.wgsl"), include_str!($name)) }
     };
 }
 

@@ -20,6 +20,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_calibration::proposals::{PictureError, read_picture};
 use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
+use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::{FrameReader, FrameSource};
 
@@ -62,7 +63,7 @@ pub struct CalibrateArgs {
 /// The folder exists, the field is not valid, the frames cannot be read, or the result cannot be written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
-    touchline_documents::store::refuse_open(&args.output)?;
+    store::refuse_open(&args.output)?;
     ensure!(
         args.output.is_dir() || !args.output.exists(),
         "{} is a file; give a folder for the project",

@@ -5,6 +5,7 @@ use super::output::{is_pipe_or_device, print, refuse_existing, write_file};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
 use touchline_documents::document::Document;
+use touchline_documents::store;
 use touchline_documents::store::{Location, refuse_open};
 
 /// The document that a command reads.
@@ -40,7 +41,7 @@ impl DocumentArg {
     /// # Errors
     /// There is no document, or it cannot be read.
     pub fn load(&self, messages: Messages) -> anyhow::Result<Loaded> {
-        let (location, document, recovery) = touchline_documents::store::read(&self.document)?;
+        let (location, document, recovery) = store::read(&self.document)?;
         if let Some(message) = recovery.message() {
             messages.note(&message);
         }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use touchline_core::geometry::counted;
 use touchline_documents::document::{Document, Frames, Merged, merge as merge_documents};
 use touchline_documents::exchange::restore_version;
+use touchline_documents::store;
 
 /// What the file of the versions that were not taken is called beside the result.
 const CONFLICTS: &str = "conflicts.json";
@@ -106,8 +107,7 @@ impl NotTaken {
 
 /// The file beside the result: `merged.json` has `merged.conflicts.json`, a project `project.conflicts.json`.
 fn beside(output: &Path) -> PathBuf {
-    let file =
-        if output.is_dir() { output.join(touchline_documents::store::PROJECT_FILE) } else { output.to_path_buf() };
+    let file = if output.is_dir() { output.join(store::PROJECT_FILE) } else { output.to_path_buf() };
     file.with_extension(CONFLICTS)
 }
 

@@ -8,6 +8,7 @@ use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::counted;
 use touchline_documents::document::{FieldSpec, document_from_frames};
+use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::FrameSource;
 
@@ -74,7 +75,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     ensure!(!made.document.frames.is_empty(), "{}: none of the images can be read", args.frames.display());
     refuse_unwritable(&made.document, &folder)?;
     let location = Location::for_new_document(&folder.join(""))?;
-    touchline_documents::store::write_document(&location, &made.document, args.force)?;
+    store::write_document(&location, &made.document, args.force)?;
     messages.note(&format!("{}: {}", location.file().display(), counted(made.document.frames.len(), "frame")));
     Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

@@ -12,6 +12,8 @@ use egui::{
 use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
 use touchline_application::app::{Action, App, Command, MenuGroup};
+use touchline_application::scene;
+use touchline_documents::document::Frame;
 use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
 /// A line is drawn above these.
@@ -232,11 +234,9 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowFeatures => app.session.trainer.show_features,
         Command::ReviewPanel => app.session.panel == SidePanel::Review,
         Command::QualityPage => app.session.quality.open,
-        Command::UseForTraining => app.frame().is_some_and(touchline_documents::document::Frame::is_used_for_training),
+        Command::UseForTraining => app.frame().is_some_and(Frame::is_used_for_training),
         Command::PlaceOnLine => app.session.next_on_line,
-        Command::Uncertainty => {
-            app.session.uncertainty != touchline_application::scene::uncertainty::UncertaintyView::Off
-        }
+        Command::Uncertainty => app.session.uncertainty != scene::uncertainty::UncertaintyView::Off,
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }

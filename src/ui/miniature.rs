@@ -3,6 +3,7 @@
 use super::{Panel, theme::Themed as _};
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use touchline_application::app::OpenProject;
+use touchline_core::geometry::ImagePoint;
 use touchline_core::markings::{MarkingOptions, project_lines};
 use touchline_documents::document::FrameStatus;
 
@@ -29,9 +30,7 @@ pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index
     let stroke = Stroke::new(1.0, Color32::from_rgb(red, green, blue));
     let clipped = painter.with_clip_rect(painter.clip_rect().intersect(picture));
     for line in project_lines(field, &camera, frame.image_size, &options) {
-        let at = |point: &touchline_core::geometry::ImagePoint| {
-            picture.min + egui::vec2(point.x as f32, point.y as f32) * scale
-        };
+        let at = |point: &ImagePoint| picture.min + egui::vec2(point.x as f32, point.y as f32) * scale;
         let points: Vec<Pos2> = line.points.iter().map(at).collect();
         if frame.status == FrameStatus::Suggested {
             clipped.extend(Shape::dashed_line(&points, stroke, 3.0, 1.5));

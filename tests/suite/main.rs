@@ -41,6 +41,8 @@ mod given_data;
 mod killed;
 mod library;
 mod merge_command;
+#[cfg(not(feature = "experiments"))]
+mod no_experiments;
 mod nothing_lost_by_force;
 mod paint;
 mod paint_in_app;

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
-use touchline_documents::store::{Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read};
+use touchline_documents::store::{self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read};
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
 
 /// More frames than this are thinned out: a match of 90 minutes has 135,000.
@@ -163,8 +163,7 @@ fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, 
     if held.is_some_and(|held| held.is_same_document(&found)) {
         return Err(JobError::AlreadyOpen { file: found.file().to_path_buf() });
     }
-    let touchline_documents::store::Opened { location, document, history, access, recovery } =
-        touchline_documents::store::open(path)?;
+    let store::Opened { location, document, history, access, recovery } = store::open(path)?;
     notices.extend(recovery.message().map(|text| (Level::Warning, text)));
     let (store, read_only) = match access {
         Access::Writable(store) => (Some(store), None),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
 use touchline_core::solve::base::{BaseOptions, WatchBase};
 use touchline_documents::document::{Camera, CameraId, DocumentAt};
+use touchline_documents::store;
 use touchline_documents::store::{Location, Store};
 
 /// Estimates the base of a camera, and the field's size as well if that is wanted.
@@ -41,7 +42,7 @@ pub(super) fn new_folder(chosen: PathBuf, name: &str) -> PathBuf {
 
 /// The first camera of a document that has a base.
 pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
-    let (_, document, _) = touchline_documents::store::read(path)?;
+    let (_, document, _) = store::read(path)?;
     let camera = document.cameras.iter().find(|camera| camera.base().is_some());
     camera.map(|camera| (**camera).clone()).ok_or_else(|| JobError::NoBase { path: path.to_path_buf() })
 }

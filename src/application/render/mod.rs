@@ -26,7 +26,6 @@ pub use layer::{Layer, PictureKey, PictureLayer};
 pub use offscreen::{AdapterReport, Offscreen, RenderError};
 pub use picture::SMOOTH_UP_TO_SCALE;
 pub use renderer::{CanvasId, Renderer};
-
 pub use view::View;
 
 /// A pass that clears one target and draws on it.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use thiserror::Error;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
-use touchline_documents::document::{CameraId, Document, Fields, Frame, Frames, WriteError, document_to_string};
+use touchline_documents::document::{CameraId, Document, Extra, Fields, Frame, Frames, WriteError, document_to_string};
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
@@ -185,8 +185,7 @@ fn learn_camera<'a>(
 /// The document's field and cameras. A template of the user's own is kept by its file name: a forest holds no
 /// paths.
 fn without_frames(document: &Document) -> Document {
-    let mut kept =
-        Document { frames: Frames::new(), extra: touchline_documents::document::Extra::new(), ..document.clone() };
+    let mut kept = Document { frames: Frames::new(), extra: Extra::new(), ..document.clone() };
     let of_cameras = kept.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
     for field in of_cameras.filter_map(|camera| camera.field.as_mut()).chain([&mut kept.field]) {
         if field.is_file()

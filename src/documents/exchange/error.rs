@@ -5,8 +5,10 @@ use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 use touchline_core::field::FieldError;
-use touchline_core::files::{plain, way_out};
+use touchline_core::files::{NotReplaced, plain, way_out};
 use touchline_core::geometry::ImageSize;
+use touchline_core::solve::PlanePoseError;
+use touchline_vision::media::MediaError;
 
 /// Why an import or export did not happen. Nothing was written then.
 #[derive(Debug, Error)]
@@ -36,7 +38,7 @@ pub enum ExchangeError {
     },
     /// Something other than the result's own files would be lost.
     #[error(transparent)]
-    NotReplaced(#[from] touchline_core::files::NotReplaced),
+    NotReplaced(#[from] NotReplaced),
     /// A file is damaged, or of another format.
     #[error("{file}: {}", plain(&problem.to_string()))]
     File {
@@ -98,7 +100,7 @@ pub enum ExchangeError {
         /// The frame.
         frame: String,
         /// Why.
-        source: touchline_core::solve::PlanePoseError,
+        source: PlanePoseError,
     },
     /// A camera was made for a picture of other proportions.
     #[error(
@@ -182,7 +184,7 @@ pub enum ExchangeError {
     },
     /// A picture cannot be read.
     #[error(transparent)]
-    Media(#[from] touchline_vision::media::MediaError),
+    Media(#[from] MediaError),
     /// A picture cannot be written.
     #[error("a picture cannot be encoded: {0}")]
     Encoding(#[from] image::ImageError),

@@ -16,6 +16,7 @@ use super::into_document::Exactness;
 use super::options::{ImportOptions, Zoom};
 use super::table::{Row, Table, push_row};
 use std::collections::BTreeSet;
+use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImageSize, Vec3};
 
 /// Packets.
@@ -130,7 +131,7 @@ impl Sample {
             position_m: self.position_m,
             focal_px: reading.zoom.focal_px(self.zoom_raw, reading.size, reading.sensor_mm)?,
             principal_point: reading.size.centre(),
-            lens: touchline_core::camera::Radial::default(),
+            lens: Radial::default(),
         };
         pinhole.checked("the camera")
     }

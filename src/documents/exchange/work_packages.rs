@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use touchline_core::files;
 use touchline_core::files::{PROJECT_FILE, folder_of, temporary_folder_in};
 
 /// Writes the document in packages of `count` frames each into a folder that is empty or not there; how many frames each has.
@@ -47,7 +48,7 @@ pub fn write_packages(
         fs::create_dir_all(&place).map_err(failed)?;
         fs::write(place.join(PROJECT_FILE), document_to_string(&package)?).map_err(failed)?;
     }
-    touchline_core::files::replace_folder(temporary, folder, &|_, _| false)?;
+    files::replace_folder(temporary, folder, &|_, _| false)?;
     Ok(packages.iter().map(|package| package.frames.len()).collect())
 }
 

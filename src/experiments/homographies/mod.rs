@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use read::{Homographies, SIZE, read_homographies};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::geometry::Mat3;
 use touchline_core::score::{PlaneView, Summary};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table};
@@ -143,7 +144,7 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     Ok(report)
 }
 
-fn score(read: &Homographies, name: &str, image_from_ground: &touchline_core::geometry::Mat3) -> Option<Scored> {
+fn score(read: &Homographies, name: &str, image_from_ground: &Mat3) -> Option<Scored> {
     let view = PlaneView::new(image_from_ground, SIZE)?;
     let sampled = Sampled::new(&view, &read.field)?;
     let fitted = sampled.fitted(&read.field)?;

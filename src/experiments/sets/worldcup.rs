@@ -7,7 +7,7 @@ use crate::paper::TABLE_3;
 use crate::{ExperimentError, ExperimentOptions};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::builtin;
-use touchline_vision::synthetic::{Moment, Preset, ShootOptions, StadiumOptions, camera_path, stadium};
+use touchline_vision::synthetic::{Moment, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, stadium};
 
 /// Seconds between the frames of a game.
 const STEP_S: f64 = 7.0;
@@ -46,7 +46,7 @@ pub fn worldcup(
         let scene = stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed) });
         let base = shoot.main_camera(size);
         let path = camera_path(&scene, &base, size, &shoot, count);
-        let order = |(number, step): (usize, &touchline_vision::synthetic::PathStep)| Order {
+        let order = |(number, step): (usize, &PathStep)| Order {
             scene: &scene,
             moment: Moment {
                 occasion: (number / BOARDS_EVERY) as u64,

@@ -5,7 +5,7 @@ use super::collected::{Collected, Errors, camera_table};
 use super::methods::{farthest_pair, refined, two_points};
 use crate::setting::{Sighting, normals};
 use touchline_core::camera::{CameraBase, PtzCamera};
-use touchline_core::geometry::rotation;
+use touchline_core::geometry::{Vec3, rotation};
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 
@@ -70,7 +70,7 @@ fn measure(
     setting: &Setting<'_>,
     place: u64,
     noises: &[f64],
-    wrong: impl Fn(&CameraBase, f64, touchline_core::geometry::Vec3) -> CameraBase + Sync,
+    wrong: impl Fn(&CameraBase, f64, Vec3) -> CameraBase + Sync,
 ) -> Measured {
     let of_noise = |(number, sigma): (usize, &f64)| {
         let collected = setting.collect(place + number as u64, |camera, seen, rng| {

@@ -13,7 +13,7 @@ use touchline_application::app::Action;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::Symmetry;
 use touchline_core::solve::base::{DisputedClick, MirroredFrame};
-use touchline_documents::document::{Camera, Frame, Target};
+use touchline_documents::document::{Camera, CameraId, Frame, Target};
 
 /// More frames than this are shown when asked for.
 const FRAMES_SHOWN: usize = 12;
@@ -138,7 +138,7 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
 }
 
 /// The frames that were left out, each with a button to put it back.
-fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &touchline_documents::document::CameraId) {
+fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
     let out: Vec<(usize, String)> = frames

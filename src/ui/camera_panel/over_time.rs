@@ -9,7 +9,7 @@ use crate::ui::{
 };
 use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::{Action, Command};
-use touchline_documents::document::Camera;
+use touchline_documents::document::{Camera, Frame};
 
 /// The plot's height, points.
 const HEIGHT: f32 = 72.0;
@@ -123,8 +123,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     }
     if let Some(point) = under {
         painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, ui.palette().strong));
-        let name =
-            panel.app.open().and_then(|open| open.frame(point.frame)).map(touchline_documents::document::Frame::name);
+        let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(Frame::name);
         let text = format!("{}: {:.1} px. Click to go there.", name.unwrap_or_default(), point.rms_px);
         response.on_hover_text_at_pointer(text);
     }

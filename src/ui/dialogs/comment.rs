@@ -8,6 +8,7 @@ use crate::ui::{
 };
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
 use touchline_application::app::Action;
+use touchline_documents::document::Frame;
 
 /// Shows the sheet; `before` is the comment as it was when it opened.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
@@ -17,7 +18,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     let mut typed = known.filter(|_| !opened).unwrap_or_else(|| before.to_owned());
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
-        let name = panel.app.frame().map(touchline_documents::document::Frame::name).unwrap_or_default();
+        let name = panel.app.frame().map(Frame::name).unwrap_or_default();
         ui.label(RichText::new(file_name(&name)).color(ui.palette().weak));
         let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Comment on this frame");

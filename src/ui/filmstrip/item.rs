@@ -15,7 +15,7 @@ use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::session::{reason_label, status_label};
 use touchline_application::app::{Action, Command, OpenProject, PaintSays, sentence};
-use touchline_documents::document::{Frame, Solution};
+use touchline_documents::document::{Frame, FrameStatus, Solution};
 
 /// The height of the line below a thumbnail, points.
 pub const CAPTION: f32 = 14.0;
@@ -108,7 +108,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     painter.rect_filled(picture, CornerRadius::same(3), ui.palette().raised);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
         let shape = fitted(texture.size_vec2(), picture);
-        let rejected = frame.status == touchline_documents::document::FrameStatus::Rejected;
+        let rejected = frame.status == FrameStatus::Rejected;
         let tint = if rejected { Color32::from_gray(90) } else { Color32::WHITE };
         painter.image(texture.id(), shape, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), tint);
     } else if panel.pictures.has_no_thumbnail(open, index) {
@@ -173,7 +173,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
 
 /// The confidence of a suggestion; none for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
-    let suggested = frame.status == touchline_documents::document::FrameStatus::Suggested;
+    let suggested = frame.status == FrameStatus::Suggested;
     frame.solution.as_ref().filter(|_| suggested).and_then(|solution| solution.confidence)
 }
 

@@ -17,7 +17,7 @@ use touchline_application::app::{
 };
 use touchline_calibration::proposals::Suspect;
 use touchline_core::geometry::thousands;
-use touchline_documents::document::FrameId;
+use touchline_documents::document::{FrameId, FrameStatus};
 
 /// The most unusable references that are listed.
 const FAILED_SHOWN: usize = 5;
@@ -123,8 +123,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         );
     }
     let shown = panel.app.session.frame;
-    let reference =
-        panel.app.frame().filter(|frame| frame.status == touchline_documents::document::FrameStatus::Reference);
+    let reference = panel.app.frame().filter(|frame| frame.status == FrameStatus::Reference);
     if let Some(frame) = reference {
         let before = frame.is_used_for_training();
         let mut used = before;

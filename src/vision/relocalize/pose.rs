@@ -11,6 +11,7 @@ use super::{Evidence, FromReference, NotFound, RayMatches, SeenRange};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, median_high};
 use touchline_core::score::median_rayleigh;
 use touchline_core::solve::{Loss, Observation, Uncertainty, covariance_in_radians, refine_until};
@@ -22,10 +23,10 @@ pub struct Pose {
     pub ptz: Ptz,
     /// Covariance of (pan deg, tilt deg, focal px): by the features alone, close ones counted as one, and once it is
     /// stated by labels and base as well.
-    #[serde(serialize_with = "touchline_core::geometry::rows")]
+    #[serde(serialize_with = "geometry::rows")]
     pub covariance: Mat3,
     /// The same with the base taken as exact.
-    #[serde(serialize_with = "touchline_core::geometry::rows")]
+    #[serde(serialize_with = "geometry::rows")]
     pub own_covariance: Mat3,
     /// 1-σ of the overlay at the worst corner of the picture, px, by the same.
     pub worst_corner_sigma_px: f64,

@@ -9,7 +9,7 @@ use super::tie_problem::{Freedom, Tied, TiedState, residual_px};
 use super::{Tie, TrackError};
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_core::solve::{Loss, Stopping, minimise};
+use touchline_core::solve::{Equations, Loss, Minimum, Stopping, minimise};
 
 /// What is expected of the lens beforehand, and how the frames are adjusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,8 +103,7 @@ pub fn adjust_turns(
         let start = TiedState { views: views(count, &along, centre, focal_px), lens: expected };
         minimise(&problem(Freedom::Any, 20.0, false), start, until(8))
     });
-    let cost =
-        |found: &touchline_core::solve::Minimum<Tied<'_>>| touchline_core::solve::Equations::cost(&found.equations);
+    let cost = |found: &Minimum<Tied<'_>>| Equations::cost(&found.equations);
     let best = start.min_by(|a, b| cost(a).total_cmp(&cost(b)));
     let Some(best) = best else { return Err(TrackError::TooFew { frames: count, ties: ties.len() }) };
     let mut state = best.state;

@@ -8,7 +8,7 @@ use crate::app::{Action, Command};
 use std::sync::LazyLock;
 use touchline_calibration::calibrate::{BulkChange, ENOUGH_REPEATS, choose_gold};
 use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{ClickNoise, EditKind, Repeat, Step};
+use touchline_documents::document::{ClickNoise, EditKind, Repeat, Step, Target};
 
 /// What is said of everything that would show the label, or lead away from it.
 pub(super) const IN_ROUND: &str = "A blind round is under way: end it first (Esc).";
@@ -217,7 +217,7 @@ impl App {
     }
 
     fn step_again(&self, asked: &Asked) -> String {
-        let target = touchline_documents::document::Target::Landmark(asked.landmark.clone());
+        let target = Target::Landmark(asked.landmark.clone());
         format!("Click {} again", self.label(&target))
     }
 

@@ -5,7 +5,7 @@ use crate::app::effect::Effect;
 use crate::app::session::Level;
 use crate::app::shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch, file_of, without_shots};
 use crate::app::video::{RunningSearch, VideoAction};
-use touchline_documents::document::{Document, EditKind, FrameStatus, ShotKind, ShotsError, Step, VideoShots};
+use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, ShotsError, Step, VideoShots};
 use touchline_vision::media::MediaError;
 
 impl App {
@@ -144,7 +144,7 @@ impl App {
             starts.into_iter().find(|from| *from < here.frame_index)
         };
         let Some(to) = to else { return };
-        let of_video = |other: &touchline_documents::document::Frame| {
+        let of_video = |other: &Frame| {
             other.video.as_ref().filter(|video| video.path == here.path).is_some_and(|video| video.frame_index >= to)
         };
         if let Some(position) = open.document.frames.iter().position(|frame| of_video(frame)) {

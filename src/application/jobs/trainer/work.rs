@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
     AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
 };
-use touchline_documents::document::{Document, FrameId};
-use touchline_vision::relocalize::ForestModel;
+use touchline_documents::document::{Document, FieldSpec, FrameId};
+use touchline_vision::relocalize::{CameraForest, ForestModel};
 
 /// Frames that are asked for at a time; orders are looked at in between.
 const BATCH: usize = 4;
@@ -95,7 +95,7 @@ impl<C: Backend> Work<C> {
             backend,
             options,
             orders: Orders::default(),
-            document: Document::new(touchline_documents::document::FieldSpec::new("")),
+            document: Document::new(FieldSpec::new("")),
             training_frames: TrainingFrames::default(),
             training_set: TrainingSet::default(),
             changed: now,
@@ -510,7 +510,7 @@ impl<C: Backend> Work<C> {
 
 /// What a forest is made of.
 fn facts(model: &ForestModel) -> ForestFacts {
-    let count = |of: fn(&touchline_vision::relocalize::CameraForest) -> usize| model.cameras.iter().map(of).sum();
+    let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum();
     ForestFacts {
         trees: count(|camera| camera.forest.trees()),
         leaves: count(|camera| camera.forest.leaves()),

@@ -16,7 +16,9 @@ use touchline_core::geometry::ImageSize;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{DocumentAt, FieldSize, FrameStatus};
 use touchline_vision::media::ReadFrames;
-use touchline_vision::track::{AdjustedClip, Anchor, Carried, Jitter, SmoothOptions, Unsmoothed, carry, smooth};
+use touchline_vision::track::{
+    AdjustedClip, Anchor, Carried, CarryStop, Jitter, SmoothOptions, Unsmoothed, carry, smooth,
+};
 
 /// Where the field is as long as it is taken for, less of a picture's paint lies on no line: at most 0.17 in 568 frames of three
 /// broadcasts. Where the circle lay 40 to 130 px off, 0.3 to 0.9 did.
@@ -215,7 +217,7 @@ pub fn track_clip(
 }
 
 fn stops(clip: &ClipFrames, carried: &Carried) -> Vec<ClipStop> {
-    let stop = |stop: &touchline_vision::track::CarryStop| ClipStop {
+    let stop = |stop: &CarryStop| ClipStop {
         picture: clip.frames[stop.frame].source.to_string(),
         seen: stop.seen,
         agreeing: stop.agreeing,

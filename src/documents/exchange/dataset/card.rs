@@ -9,7 +9,7 @@ use crate::document::{DocumentAt, FieldSize, Fields, Frame};
 use crate::exchange::error::ExchangeError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use touchline_core::field::FieldModel;
+use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::score::quantile;
 
 /// What the card is about.
@@ -192,9 +192,7 @@ fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
         let field: &FieldModel = fields.of_frame(document, frame);
         for click in &frame.clicks {
             let target = click.target.as_ref().filter(|target| target.line().is_none());
-            let named = |landmark: &&touchline_core::field::Landmark| {
-                target.is_some_and(|target| landmark.id.as_str() == target.as_str())
-            };
+            let named = |landmark: &&Landmark| target.is_some_and(|target| landmark.id.as_str() == target.as_str());
             let Some(landmark) = field.landmarks.iter().find(named) else { continue };
             if let Ok(shown) = camera.image_from_world(field.landmark_in_world(landmark)) {
                 misses[usize::from(click.check)].push(shown.distance_px(click.image));

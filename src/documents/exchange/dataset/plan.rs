@@ -10,6 +10,7 @@ use crate::exchange::choose::{is_chosen, off_paint_note};
 use crate::exchange::error::ExchangeError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use touchline_core::geometry::ImageSize;
 use touchline_vision::media::{FrameRef, image_size};
 
 /// What a dataset will hold.
@@ -227,7 +228,7 @@ fn source_of(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Res
 }
 
 /// What is said of a picture that is not as large as the document states.
-pub(super) fn other_size(frame: &Frame, found: touchline_core::geometry::ImageSize) -> String {
+pub(super) fn other_size(frame: &Frame, found: ImageSize) -> String {
     let stated = frame.image_size;
     format!(
         "its picture is {} × {} px, the document says {} × {}",

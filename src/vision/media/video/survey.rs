@@ -17,6 +17,7 @@ use std::io::Read;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
+use touchline_core::geometry::ImageSize;
 
 /// How many frames at the start are played to see their spacing and to compare jumps with them.
 const LEAD_FRAMES: usize = 32;
@@ -142,7 +143,7 @@ struct Lead {
     times_s: Vec<Option<f64>>,
     /// Two of the frames, to compare jumps with.
     samples: Vec<(usize, Picture)>,
-    size: Option<touchline_core::geometry::ImageSize>,
+    size: Option<ImageSize>,
     /// The video has no more frames.
     is_whole: bool,
 }
