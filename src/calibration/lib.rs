@@ -8,4 +8,5 @@
 
 pub mod calibrate;
 pub mod evaluate;
+pub mod pipelines;
 pub mod proposals;

@@ -3,15 +3,16 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use super::track::carry;
+use super::track::track_and_report;
 use clap::ValueEnum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_calibration::calibrate::{
-    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, TrackClipOptions,
-    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases, solve_document,
+    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, describe_mirrored,
+    describe_size, estimate_on_paint, follow_all_bases, solve_document,
 };
+use touchline_calibration::pipelines::TrackingOptions;
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::counted;
 use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
@@ -199,7 +200,7 @@ fn carry_few(
     }
     if is_any {
         // All cameras at once: each clip is carried by whatever is known of it.
-        carry(document, folder, None, &TrackClipOptions::default(), &|| false, messages)?;
+        track_and_report(document, folder, None, &TrackingOptions::default(), &|| false, messages)?;
     }
     Ok(())
 }

@@ -2,10 +2,11 @@
 //! forest that learns from them.
 
 use super::messages::Messages;
-use super::track::carry;
+use super::track::track_and_report;
 use std::ops::ControlFlow;
 use std::path::Path;
-use touchline_calibration::calibrate::{TrackClipOptions, UnclickedCamera};
+use touchline_calibration::calibrate::UnclickedCamera;
+use touchline_calibration::pipelines::TrackingOptions;
 use touchline_calibration::proposals::{
     FeatureStore, FramePictures, LearnOptions, LineEvidence, learn, propose, study,
 };
@@ -30,7 +31,8 @@ pub fn answer_the_rest(
         return Ok((0, 0));
     }
     if document.frames.iter().any(|frame| frame.video.is_some()) {
-        carry(document, folder, None, &TrackClipOptions::default(), &|| false, messages)?;
+        let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
+        track_and_report(document, folder, None, &options, &|| false, messages)?;
     } else {
         relocalize(document, folder, found, messages)?;
     }

@@ -4,16 +4,16 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
+use indicatif::ProgressBar;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 use touchline_calibration::calibrate::{
-    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, length_on_lines, record_tracked, take_length,
-    track_clip,
+    ClipFrames, ClipProgress, LengthOnLines, OnPaintErrors, PaintSeen, TrackClipOptions, TrackedClip, clips,
 };
-use touchline_calibration::proposals::read_picture;
+use touchline_calibration::pipelines::{TrackedFrames, TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::geometry::counted;
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{Document, Fields, Frame};
+use touchline_documents::document::{CameraId, Document};
 use touchline_vision::media::FrameReader;
 
 /// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip together.
@@ -32,6 +32,10 @@ pub struct TrackArgs {
     /// Hold every N-th frame to its painted lines; 0: none.
     #[arg(long, value_name = "N", default_value_t = TrackClipOptions::default().paint_every)]
     paint_every: usize,
+    /// Also refine each camera's base on the painted lines of the frames that were reached, and track them again, until that moves it
+    /// no more. A camera without a base gets one from its clicks first.
+    #[arg(long)]
+    refine_base: bool,
 }
 
 fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
@@ -50,150 +54,158 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
     let before = document.clone();
-    let options =
-        TrackClipOptions { smooth: args.smooth, paint_every: args.paint_every, ..TrackClipOptions::default() };
+    let clip = TrackClipOptions { smooth: args.smooth, paint_every: args.paint_every, ..TrackClipOptions::default() };
+    let options = TrackingOptions { clip, refine_base: args.refine_base };
     let interrupt = Interrupt::listen();
     let is_stopped = || interrupt.is_pressed();
-    let carried = carry(&mut document, location.folder(), args.frames.as_ref(), &options, &is_stopped, messages)?;
-    if carried.is_stopped && carried.frames == 0 {
+    let within = args.frames.as_ref();
+    let found = track_and_report(&mut document, location.folder(), within, &options, &is_stopped, messages)?;
+    if found.is_stopped && found.tracked == 0 {
         messages.note("stopped; no clip was finished, nothing was written");
         return Ok(Outcome::Stopped);
     }
     document.count_edits_since(&before);
     args.output.write(document, location.folder())?;
-    if carried.is_stopped {
+    if found.is_stopped {
         messages.note(&format!(
             "stopped: {} frames of finished clips were carried and are written; track what was written for the rest",
-            carried.frames
+            found.tracked
         ));
         return Ok(Outcome::Stopped);
     }
-    messages.note(&format!("{} carried, {} not", counted(carried.frames, "frame"), carried.failed));
-    Ok(if carried.failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    messages.note(&format!("{} carried, {} not", counted(found.tracked, "frame"), found.missed));
+    Ok(if found.missed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 
-/// Frames to which cameras were carried, and those to which they were not.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CarriedFrames {
-    /// How many got a camera.
-    pub frames: usize,
-    /// How many did not.
-    pub failed: usize,
-    /// Somebody ended it; clips that were finished before are carried.
-    pub is_stopped: bool,
-}
-
-/// Carries the cameras of a document's clips to their other frames. A clip that cannot be carried is named, and the others go on;
-/// `is_stopped` ends it within a clip, and keeps those before.
-///
-/// Where the carried frames show that the field has another length than was assumed, the length is taken and carrying done again.
+/// Tracks the clips of a document, with a bar and what is worth knowing; `is_stopped` ends it within a clip, and keeps those before.
 ///
 /// # Errors
 /// The field is not valid.
-pub fn carry(
+pub fn track_and_report(
     document: &mut Document,
     folder: &Path,
     within: Option<&RangeInclusive<usize>>,
-    options: &TrackClipOptions,
+    options: &TrackingOptions,
     is_stopped: &dyn Fn() -> bool,
     messages: Messages,
-) -> anyhow::Result<CarriedFrames> {
-    let before = document.clone();
-    let carried = carry_once(document, folder, within, options, is_stopped, messages)?;
-    if carried.is_stopped || carried.frames == 0 {
-        return Ok(carried);
-    }
+) -> anyhow::Result<TrackedFrames> {
+    let clips = clips(document.at(folder), within);
+    let mut bar: Option<ProgressBar> = None;
+    let mut count = 0;
+    let mut watch = |event: TrackingEvent<'_>| {
+        match event {
+            TrackingEvent::Begun(clip) => {
+                count = clip.frames.len();
+                bar = Some(messages.progress(2 * count, "Tracking"));
+            }
+            TrackingEvent::Progress(progress) => show_progress(bar.as_ref(), progress, count),
+            TrackingEvent::Refining(_) => bar = Some(messages.progress(1, "Refining the base on painted lines")),
+            TrackingEvent::Tracked(clip, tracked) => {
+                clear(bar.take());
+                report_tracked(clip, tracked, messages);
+            }
+            TrackingEvent::Failed(clip, error) => {
+                clear(bar.take());
+                messages.frame_failed(&name_of(clip), &error.to_string());
+            }
+            TrackingEvent::Length(found) => {
+                clear(bar.take());
+                messages.note(&describe_length(found));
+            }
+            TrackingEvent::Refined(camera, seen) => {
+                clear(bar.take());
+                messages.note(&describe_refined(camera, seen));
+            }
+            TrackingEvent::NoBetter(before, after) => {
+                clear(bar.take());
+                let [before, after] = [before, after].map(|confidence| 100.0 * confidence);
+                messages.note(&format!(
+                    "with the refined base the frames are less certain ({after:.1} % on average, {before:.1} % before): the one before stays"
+                ));
+            }
+        }
+        if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
     let mut reader = FrameReader::new();
-    let mut picture = |frame: &Frame| read_picture(&mut reader, frame, folder).ok();
-    let Some(found) = length_on_lines(document.at(folder), &mut picture)? else { return Ok(carried) };
+    let tracked = track_clips(document, folder, &clips, &mut reader, options, &mut Vec::new(), &mut watch);
+    clear(bar);
+    Ok(tracked?)
+}
+
+fn clear(bar: Option<ProgressBar>) {
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+}
+
+/// Shows how far a clip of so many frames has come.
+fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress, count: usize) {
+    let Some(bar) = bar else { return };
+    match progress {
+        ClipProgress::Following(done, _) => bar.set_position(done as u64),
+        ClipProgress::Painting(done, of) => {
+            bar.set_message("Painted lines");
+            bar.set_position((count + done * count / of.max(1)) as u64);
+        }
+        ClipProgress::Adjusting => bar.set_message("Adjusting"),
+    }
+}
+
+/// A clip by its first and its last picture.
+fn name_of(clip: &ClipFrames) -> String {
+    match (clip.frames.first(), clip.frames.last()) {
+        (Some(first), Some(last)) => format!("{} to {}", first.source, last.source),
+        _ => "a clip without frames".to_owned(),
+    }
+}
+
+fn report_tracked(clip: &ClipFrames, tracked: &TrackedClip, messages: Messages) {
+    let name = name_of(clip);
+    messages.note(&format!(
+        "{name}: {} frames carried, {} held to their painted lines, points {:.2} px, widened {:.1} times",
+        tracked.frames.len(),
+        tracked.painted,
+        tracked.sigma_px,
+        tracked.widened
+    ));
+    if tracked.kept > 0 {
+        messages.note(&format!(
+            "{name}: {} frames keep the camera that they had: their painted lines speak more for it",
+            tracked.kept
+        ));
+    }
+    for stop in &tracked.stops {
+        let why = format!("only {} of {} points agree with one turn and zoom", stop.agreeing, stop.seen);
+        messages.frame_failed(&stop.picture, &format!("not carried on to this frame: {why}"));
+    }
+    for (what, jitter) in [(" before smoothing", tracked.raw_jitter), ("", tracked.jitter)] {
+        if let Some(jitter) = jitter {
+            messages.note(&format!(
+                "jitter{what}: pan {:.4}°, tilt {:.4}°, focal length {:.2} px, picture {:.2} px",
+                jitter.pan_deg, jitter.tilt_deg, jitter.focal_px, jitter.centre_px
+            ));
+        }
+    }
+}
+
+fn describe_length(found: &LengthOnLines) -> String {
     let FittedSize { assumed_m, value_m, sigma_m, .. } = found.size;
     let seen =
         format!("the painted lines of {} frames ask for a length of {value_m:.2} ± {sigma_m:.2} m", found.frames);
     if found.is_prescribed {
-        messages.note(&format!("{seen}; {assumed_m} m is stated, and stays"));
-        return Ok(carried);
+        format!("{seen}; {assumed_m} m is stated, and stays")
+    } else {
+        format!("{seen}, where {assumed_m} m was assumed: carrying again")
     }
-    messages.note(&format!("{seen}, where {assumed_m} m was assumed: carrying again"));
-    // From the cameras that were known before: carried ones hold nothing.
-    *document = before;
-    take_length(document, &found);
-    carry_once(document, folder, within, options, is_stopped, messages)
 }
 
-/// Carries the cameras of each clip once.
-fn carry_once(
-    document: &mut Document,
-    folder: &Path,
-    within: Option<&RangeInclusive<usize>>,
-    options: &TrackClipOptions,
-    is_stopped: &dyn Fn() -> bool,
-    messages: Messages,
-) -> anyhow::Result<CarriedFrames> {
-    let before = document.clone();
-    let fields = Fields::of(before.at(folder))?;
-    let mut reader = FrameReader::new();
-    let mut all = CarriedFrames::default();
-    for clip in clips(before.at(folder), within) {
-        let (Some(first), Some(last)) = (clip.frames.first(), clip.frames.last()) else { continue };
-        let name = format!("{} to {}", first.source, last.source);
-        let bar = messages.progress(2 * clip.frames.len(), "Tracking");
-        let field = clip.frames.iter().find_map(|frame| before.frames.get(frame.place?));
-        let Some(field) = field.map(|frame| fields.of_frame(&before, frame)) else { continue };
-        let mut watch = |progress| {
-            match progress {
-                ClipProgress::Following(done, _) => bar.set_position(done as u64),
-                ClipProgress::Painting(done, of) => {
-                    bar.set_message("Painted lines");
-                    bar.set_position((clip.frames.len() + done * clip.frames.len() / of.max(1)) as u64);
-                }
-                ClipProgress::Adjusting => bar.set_message("Adjusting"),
-            }
-            if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let mut evidence = ClipEvidence::default();
-        let tracked = track_clip(before.at(folder), &clip, field, &mut reader, options, &mut evidence, &mut watch);
-        bar.finish_and_clear();
-        match tracked {
-            Ok(tracked) => {
-                record_tracked(document, &tracked);
-                all.frames += tracked.frames.len();
-                all.failed += tracked.missed.len();
-                messages.note(&format!(
-                    "{name}: {} frames carried, {} held to their painted lines, points {:.2} px, widened {:.1} times",
-                    tracked.frames.len(),
-                    tracked.painted,
-                    tracked.sigma_px,
-                    tracked.widened
-                ));
-                if tracked.kept > 0 {
-                    messages.note(&format!(
-                        "{name}: {} frames keep the camera that they had: their painted lines speak more for it",
-                        tracked.kept
-                    ));
-                }
-                for stop in &tracked.stops {
-                    let why = format!("only {} of {} points agree with one turn and zoom", stop.agreeing, stop.seen);
-                    messages.frame_failed(&stop.picture, &format!("not carried on to this frame: {why}"));
-                }
-                for (what, jitter) in [("before smoothing", tracked.raw_jitter), ("", tracked.jitter)] {
-                    if let Some(jitter) = jitter {
-                        let what = if what.is_empty() { String::new() } else { format!(" {what}") };
-                        messages.note(&format!(
-                            "jitter{what}: pan {:.4}°, tilt {:.4}°, focal length {:.2} px, picture {:.2} px",
-                            jitter.pan_deg, jitter.tilt_deg, jitter.focal_px, jitter.centre_px
-                        ));
-                    }
-                }
-            }
-            Err(TrackClipError::Stopped) => {
-                all.is_stopped = true;
-                break;
-            }
-            Err(error) => {
-                all.failed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
-                messages.frame_failed(&name, &error.to_string());
-            }
-        }
-    }
-    Ok(all)
+fn describe_refined(camera: &CameraId, seen: &PaintSeen) -> String {
+    let median_px = |errors: &OnPaintErrors| errors.paint.map_or(0.0, |paint| paint.median_px);
+    format!(
+        "{camera}: the base is refined on {} lines in {} frames, from {:.2} to {:.2} px off paint held out: carrying again",
+        seen.lines,
+        seen.frames,
+        median_px(&seen.before),
+        median_px(&seen.after)
+    )
 }
