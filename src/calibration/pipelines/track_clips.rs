@@ -185,7 +185,8 @@ impl Tracking<'_> {
         Ok(true)
     }
 
-    /// Refines the bases on the paint of all tracked frames and tracks again, until that moves no base or makes no frame more certain.
+    /// Refines the bases on the paint of all tracked frames and tracks again, until that moves no base. Of the passes the last one
+    /// stays whose frames are about as certain as those of any: a round may begin with frames that its base has yet to settle.
     /// `known` is the document before it was tracked.
     fn refine_until_settled(
         &mut self,
@@ -193,20 +194,25 @@ impl Tracking<'_> {
         mut known: Document,
         mut frames: TrackedFrames,
     ) -> Result<TrackedFrames, FieldError> {
+        let first = mean_confidence(document);
+        let (mut best, mut last, mut tracked) = (first, first, document.clone());
         for _ in 0..MAX_ROUNDS {
-            let Some(refined) = self.with_refined_bases(document, &known) else { break };
-            let mut again = refined.clone();
-            let frames_again = self.pass(&mut again)?;
+            let Some(refined) = self.with_refined_bases(&tracked, &known) else { break };
+            known = refined;
+            tracked.clone_from(&known);
+            let frames_again = self.pass(&mut tracked)?;
             if frames_again.is_stopped {
                 break;
             }
-            let (before, after) = (mean_confidence(document), mean_confidence(&again));
-            if after < before - CONFIDENCE_NOISE || frames_again.tracked < frames.tracked {
-                // An end asked for now is the end anyway.
-                let _ = (self.watch)(TrackingEvent::NoBetter(before, after));
-                break;
+            last = mean_confidence(&tracked);
+            if last >= best - CONFIDENCE_NOISE && frames_again.tracked >= frames.tracked {
+                document.clone_from(&tracked);
+                (best, frames) = (best.max(last), frames_again);
             }
-            (*document, known, frames) = (again, refined, frames_again);
+        }
+        if last < best - CONFIDENCE_NOISE {
+            // An end asked for now is the end anyway.
+            let _ = (self.watch)(TrackingEvent::NoBetter(best, last));
         }
         Ok(frames)
     }
