@@ -253,11 +253,16 @@ impl Camera {
         })
     }
 
-    /// The base with which a frame is solved and drawn: where the camera has no curve, a k₁ that the frame brings along
-    /// counts; where it has one, the curve does.
+    /// The base with which a frame is solved and drawn.
+    ///
+    /// A frame with a [lens](Frame::lens) of its own has that lens and its principal point. Else the camera's curve counts, and a k₁
+    /// that the frame's `ptz` brings along only where the camera has no curve.
     #[must_use]
     pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
         let mut base = self.base()?;
+        if let Some(lens) = &frame.lens {
+            return Some(lens.base_with(&base));
+        }
         if self.curve().is_none()
             && let Some(k1) = frame.ptz.as_ref().and_then(|ptz| ptz.k1)
         {

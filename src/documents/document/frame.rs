@@ -1,6 +1,6 @@
 //! A frame of the document: where its picture is, its clicks, its solution.
 
-use super::{CameraId, Click, Extra, FrameId, FramePtz, Repeat, Solution, adapters};
+use super::{CameraId, Click, Extra, FrameId, FrameLens, FramePtz, Repeat, Solution, adapters};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
@@ -67,6 +67,9 @@ pub struct Frame {
     #[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 4]>"))]
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
+    /// What its lens is known to be before it is solved; none: as its camera's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<FrameLens>,
     /// Pan, tilt and focal length; none: unsolved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ptz: Option<FramePtz>,
@@ -259,6 +262,7 @@ impl Frame {
             clicks: Vec::new(),
             repeats: Vec::new(),
             masks: Vec::new(),
+            lens: None,
             ptz: None,
             solution: None,
             extra: Extra::new(),
