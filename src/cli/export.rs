@@ -95,6 +95,9 @@ pub struct ExportArgs {
     /// Where the stage's y axis looks, seen from above: 0 is across the field, positive to the right, degrees.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     stage_heading: Option<f64>,
+    /// Of which frames fifa gets rotation and translation; without those of the others it is what the tasks hand out.
+    #[arg(long, default_value = "all", value_parser = ["all", "first"])]
+    rotations: String,
     /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
     #[arg(long, default_value = "focal-px")]
     zoom: String,
@@ -224,6 +227,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
         zoom: zoom_of(&args.zoom)?,
+        first_rotation_only: args.rotations == "first",
         recording: Recording {
             match_id: args.match_id.clone(),
             start: args.start_time.clone(),

@@ -297,7 +297,8 @@ mod tests {
             ),
             (with(table + 8, &[1, 0]), "the array K cannot be read: it is encrypted".to_owned()),
             (
-                with(table + 10, &[8, 0]),
+                // A block of a type that the format does not have.
+                [&deflated(&sample())[..LOCAL_BYTES + 5], &[7], &deflated(&sample())[LOCAL_BYTES + 6..]].concat(),
                 format!("{not}the packed bytes are damaged in the array K; copy the file again"),
             ),
         ] {

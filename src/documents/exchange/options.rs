@@ -62,6 +62,8 @@ pub struct ExportOptions {
     pub sensor_width_mm: Option<f64>,
     /// How FreeD's zoom value says the focal length.
     pub zoom: Zoom,
+    /// Rotation and translation of the first frame alone, where the format can leave the others open.
+    pub first_rotation_only: bool,
     /// What is known of the video as a recording of a match.
     pub recording: Recording,
 }
