@@ -259,10 +259,13 @@ impl Camera {
     /// that the frame's `ptz` brings along only where the camera has no curve.
     #[must_use]
     pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
+        Some(frame.base_from(&self.base_without_frame_lens(frame)?))
+    }
+
+    /// The same without the [lens](Frame::lens) that the frame itself has.
+    #[must_use]
+    pub fn base_without_frame_lens(&self, frame: &Frame) -> Option<CameraBase> {
         let mut base = self.base()?;
-        if let Some(lens) = &frame.lens {
-            return Some(lens.base_with(&base));
-        }
         if self.curve().is_none()
             && let Some(k1) = frame.ptz.as_ref().and_then(|ptz| ptz.k1)
         {

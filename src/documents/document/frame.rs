@@ -5,6 +5,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
+use touchline_core::camera::CameraBase;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
 
@@ -280,6 +281,12 @@ impl Frame {
     #[must_use]
     pub fn has_content_of(&self, other: &Self) -> bool {
         self == other || *self == Self { revision: self.revision, ..other.clone() }
+    }
+
+    /// The base of its camera with its own [lens](Self::lens), where it has one.
+    #[must_use]
+    pub fn base_from(&self, base: &CameraBase) -> CameraBase {
+        self.lens.as_ref().map_or(*base, |lens| lens.base_with(base))
     }
 
     /// The id that follows from its picture.
