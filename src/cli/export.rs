@@ -12,7 +12,7 @@ use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Vec3, counted};
 use touchline_documents::document::{FrameStatus, Stage};
 use touchline_documents::exchange::{
-    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Timecode, Zoom,
+    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Rotations, Timecode, Zoom,
     export as export_document,
 };
 
@@ -227,7 +227,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
         zoom: zoom_of(&args.zoom)?,
-        first_rotation_only: args.rotations == "first",
+        rotations: if args.rotations == "first" { Rotations::First } else { Rotations::All },
         recording: Recording {
             match_id: args.match_id.clone(),
             start: args.start_time.clone(),

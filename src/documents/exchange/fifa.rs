@@ -20,7 +20,7 @@ use super::held::parts;
 use super::into_document::{Exactness, View, document_of, unsolved_frame};
 use super::npy::Array;
 use super::npz::{Npz, written};
-use super::options::{ImportOptions, Pixels};
+use super::options::{ImportOptions, Pixels, Rotations};
 use super::picture_size::SizeSource;
 use crate::document::{Camera, CameraId, Document, FieldSpec, Frame, FrameLens, FramePtz};
 use std::collections::BTreeMap;
@@ -165,7 +165,7 @@ fn arrays_of(held: &[FrameCamera]) -> Vec<(&'static str, Array)> {
 impl CameraFormat for Fifa {
     fn hold(&self, frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         let (pinhole, _) = parts(frame)?;
-        let is_open = context.options.first_rotation_only && index > 0;
+        let is_open = context.options.rotations == Rotations::First && index > 0;
         let shown = if is_open { Shown::Lens(pinhole.known_lens()) } else { frame.shown };
         Ok(FrameCamera { name: name_of(&format!("{STEM}.mp4"), index), shown, ..frame.clone() })
     }
@@ -254,19 +254,18 @@ fn document_with_lenses(field: FieldSpec, frames: &[View], exact: Exactness) -> 
     let mut made = Vec::with_capacity(frames.len());
     for (read, size, view) in frames {
         let lens = FrameLens::new(view.focal_px, view.principal_point, view.lens);
-        let frame = match read.shown {
-            Shown::Camera(_) => solved.next().map(|frame| {
+        let frame = if read.pinhole().is_some() {
+            solved.next().map(|frame| {
                 let ptz = frame.ptz.as_ref().map(FramePtz::ptz);
                 let recorded = Some(view.lens).filter(|lens| !lens.is_none());
                 Frame { ptz: ptz.map(|ptz| FramePtz::new(ptz, recorded)), ..frame }
-            }),
-            _ => {
-                let camera = camera_of_video.get(&read.video).cloned().unwrap_or_else(|| "main".into());
-                if !document.cameras.iter().any(|known| known.id == camera) {
-                    document.cameras.push(Camera::new(camera.clone(), *size).into());
-                }
-                Some(unsolved_frame(read, camera, *size))
+            })
+        } else {
+            let camera = camera_of_video.get(&read.video).cloned().unwrap_or_else(|| "main".into());
+            if !document.cameras.iter().any(|known| known.id == camera) {
+                document.cameras.push(Camera::new(camera.clone(), *size).into());
             }
+            Some(unsolved_frame(read, camera, *size))
         };
         if let Some(frame) = frame {
             camera_of_video.entry(read.video.clone()).or_insert_with(|| frame.camera.clone());
@@ -335,7 +334,7 @@ mod tests {
 
     #[test]
     fn frames_without_a_rotation_keep_their_lens_and_have_no_pan_and_tilt() {
-        let options = ExportOptions { first_rotation_only: true, ..ExportOptions::default() };
+        let options = ExportOptions { rotations: Rotations::First, ..ExportOptions::default() };
         let exported = export(awkward().at(Path::new("/")), Format::Fifa, &options).unwrap();
         assert_eq!((arrays(&exported)["K"].shape[0], &arrays(&exported)["t"].shape[..]), (12, &[1, 3][..]));
         let document = imported("a.npz", exported.files.get("cameras.npz").unwrap());

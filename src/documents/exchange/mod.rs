@@ -88,7 +88,8 @@ pub use imported::Imported;
 pub use join::{Joined, JoinedPair, join};
 pub use loss::Loss;
 pub use options::{
-    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording, Zoom,
+    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording,
+    Rotations, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;
