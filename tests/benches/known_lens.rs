@@ -3,9 +3,9 @@
 //! Clips of 50 frames a second are drawn that follow the focal lengths, principal points and distortions of measured broadcast
 //! lenses, with players as occlusion. The lenses, and the position and rotation of each first frame, are read from
 //! `lenses-worldcup/*.npz` in the folder that `TOUCHLINE_DATA` names. The files state no rotation after the first frame, so a drawn
-//! operator turns the camera, about a pan axis that is known (`--lean DEGREES`: that leans by so much from the known one).
+//! operator turns the camera, about the pan axis that the import takes.
 //!
-//! `cargo bench --bench known_lens -- [--shots N] [--from N] [--frames N] [--lean DEGREES] [--keep FOLDER] [--preset NAME]`
+//! `cargo bench --bench known_lens -- [--shots N] [--from N] [--frames N] [--keep FOLDER] [--preset NAME]`
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
 
 use image::codecs::jpeg::JpegEncoder;
@@ -15,10 +15,10 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use touchline::calibrate::{ClipEvidence, TrackClipOptions, clips, track_clip};
-use touchline::camera::{CameraBase, Ptz, PtzCamera};
+use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{Document, FieldSize, FieldSpec, Frame};
 use touchline::exchange::{Format, ImportOptions, import};
-use touchline::geometry::{Angle, ImageSize, Mat3};
+use touchline::geometry::{ImageSize, Mat3};
 use touchline::media::FrameReader;
 use touchline::synthetic::{PathStep, Preset, ShootOptions, StadiumOptions, camera_path, stadium};
 
@@ -39,7 +39,6 @@ fn main() {
         std::fs::read_dir(data.join("lenses-worldcup")).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|file| file.extension().is_some_and(|ending| ending == "npz"));
     files.sort();
-    let lean_deg = value("--lean").map_or(0.0, |text| text.parse().unwrap());
     let preset: Preset = value("--preset").map_or(Preset::Paper, |name| name.parse().unwrap());
     let shoot = ShootOptions { step_s: STEP_S, ..preset.shoot() };
     let temporary = tempfile::tempdir().unwrap();
@@ -49,7 +48,7 @@ fn main() {
     let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (seed, file) in files.iter().enumerate().skip(number("--from", 0)).take(number("--shots", files.len())) {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
-        let clip = Clip::drawn(file, &folder.join(&name), seed as u64, number("--frames", 200), lean_deg, &shoot);
+        let clip = Clip::drawn(file, &folder.join(&name), seed as u64, number("--frames", 200), &shoot);
         for (way, options) in ways() {
             let begun = Instant::now();
             let errors = clip.tracked(&options);
@@ -82,7 +81,7 @@ struct Clip {
 
 impl Clip {
     /// Draws the pictures that the folder lacks.
-    fn drawn(lenses: &Path, folder: &Path, seed: u64, count: usize, lean_deg: f64, shoot: &ShootOptions) -> Self {
+    fn drawn(lenses: &Path, folder: &Path, seed: u64, count: usize, shoot: &ShootOptions) -> Self {
         let mut field = FieldSpec::new("soccer");
         field.params = BTreeMap::from([("length_m".to_owned(), 105.0), ("width_m".to_owned(), 68.0)]);
         field.size = Some(FieldSize::Confirmed);
@@ -95,14 +94,13 @@ impl Clip {
         let first = document.frames[0].ptz.as_ref().unwrap().ptz();
         let scene = stadium(&StadiumOptions::new(field.model(Path::new("")).unwrap(), seed));
         let path = camera_path(&scene, &known, SIZE, shoot, count);
-        let leaning = Leaning::from_known(&known, first, lean_deg);
         let pointed = |(frame, step): (&Frame, &PathStep)| {
             let ptz = Ptz {
-                pan: leaning.first.pan + step.ptz.pan.turn_from(path[0].ptz.pan),
-                tilt: leaning.first.tilt + (step.ptz.tilt - path[0].ptz.tilt),
+                pan: first.pan + step.ptz.pan.turn_from(path[0].ptz.pan),
+                tilt: first.tilt + (step.ptz.tilt - path[0].ptz.tilt),
                 focal_px: frame.lens.as_ref().unwrap().focal_px,
             };
-            PtzCamera::new(frame.base_from(&leaning.base), ptz)
+            PtzCamera::new(frame.base_from(&known), ptz)
         };
         let frames: Vec<&Frame> = document.frames.iter().map(|frame| &**frame).collect();
         let truth: Vec<PtzCamera> = frames.iter().copied().zip(&path).map(pointed).collect();
@@ -150,29 +148,6 @@ fn in_pictures(frame: &Frame, index: usize) -> Frame {
     let made = Frame::from_image(&picture_name(index), frame.camera.clone(), frame.image_size);
     let (lens, ptz, solution) = (frame.lens.clone(), frame.ptz.clone(), frame.solution.clone());
     Frame { lens, ptz, solution, status: frame.status, ..made }
-}
-
-/// A base with another pan axis that shows the first frame as the known one does.
-struct Leaning {
-    base: CameraBase,
-    first: Ptz,
-}
-
-impl Leaning {
-    fn from_known(known: &CameraBase, first: Ptz, lean_deg: f64) -> Self {
-        if lean_deg == 0.0 {
-            return Self { base: *known, first };
-        }
-        // The axis leans in the plane of the first view's optical axis: with pan zero there, and the lean taken from its tilt, the
-        // first view is the same under both bases.
-        let level = PtzCamera::new(*known, Ptz { tilt: Angle::ZERO, ..first });
-        let lean = Angle::from_degrees(lean_deg);
-        let tilted = PtzCamera::new(*known, Ptz { tilt: lean, ..first });
-        let base = CameraBase { base_from_world: tilted.cam_from_world(), ..*known };
-        let turn_deg = angle_deg(&tilted.cam_from_world(), &level.cam_from_world());
-        assert!((turn_deg - lean_deg.abs()).abs() < 1e-9, "{turn_deg}");
-        Self { base, first: Ptz { pan: Angle::ZERO, tilt: first.tilt - lean, ..first } }
-    }
 }
 
 /// The angle of the turn from one rotation to another, degrees.
