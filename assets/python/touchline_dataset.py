@@ -63,13 +63,13 @@ class Dataset:
         self.pan = np.array([f["ptz"]["pan_deg"] for f in frames], float)
         self.tilt = np.array([f["ptz"]["tilt_deg"] for f in frames], float)
         self.f = np.array([f["ptz"]["focal_px"] for f in frames], float)
-        lenses = [_lens(cameras[f["camera"]], f["ptz"]) for f in frames]
+        lenses = [_lens(cameras[f["camera"]], f) for f in frames]
         self.k1, self.k2 = np.array(lenses, float).reshape(-1, 2).T
         bases = [np.array(cameras[f["camera"]]["base_from_world"], float) for f in frames]
         turned = [_turn(p, t) @ _rotation(b) for p, t, b in zip(self.pan, self.tilt, bases)]
         self.R = np.array(turned, float).reshape(-1, 3, 3)
         self.C = np.array([cameras[f["camera"]]["position_m"] for f in frames], float).reshape(-1, 3)
-        points = [cameras[f["camera"]]["principal_point_px"] for f in frames]
+        points = [(f.get("lens") or cameras[f["camera"]])["principal_point_px"] for f in frames]
         self.K = np.array([[[f, 0, x], [0, f, y], [0, 0, 1]] for f, (x, y) in zip(self.f, points)], float).reshape(-1, 3, 3)
         ground = np.concatenate([self.R[:, :, :2], self.t[:, :, None]], axis=2)
         inverse = np.linalg.inv(self.K @ ground)
@@ -148,8 +148,11 @@ def load(path):
         return Dataset(json.load(file), folder, rows, fields)
 
 
-def _lens(camera, ptz):
-    """k1 and k2 of a frame: of the camera's curve, where it has one, else the frame's own k1."""
+def _lens(camera, frame):
+    """k1 and k2 of a frame: of the lens that it states, else of the camera's curve, where it has one, else its own k1."""
+    ptz, lens = frame["ptz"], frame.get("lens")
+    if lens:
+        return lens.get("k1") or 0.0, lens.get("k2") or 0.0
     distortion = camera.get("distortion") or {}
     curve = distortion.get("k1")
     if curve is None:

@@ -12,7 +12,7 @@ use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Vec3, counted};
 use touchline_documents::document::{FrameStatus, Stage};
 use touchline_documents::exchange::{
-    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Timecode, Zoom,
+    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Rotations, Timecode, Zoom,
     export as export_document,
 };
 
@@ -95,6 +95,9 @@ pub struct ExportArgs {
     /// Where the stage's y axis looks, seen from above: 0 is across the field, positive to the right, degrees.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     stage_heading: Option<f64>,
+    /// Of which frames fifa gets rotation and translation; without those of the others it is what the tasks hand out.
+    #[arg(long, default_value = "all", value_parser = ["all", "first"])]
+    rotations: String,
     /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
     #[arg(long, default_value = "focal-px")]
     zoom: String,
@@ -224,6 +227,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
         zoom: zoom_of(&args.zoom)?,
+        rotations: if args.rotations == "first" { Rotations::First } else { Rotations::All },
         recording: Recording {
             match_id: args.match_id.clone(),
             start: args.start_time.clone(),

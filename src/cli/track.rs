@@ -26,6 +26,9 @@ pub struct TrackArgs {
     /// Smooth the motion of the camera; each frame keeps its own camera beside it (`solution.raw_ptz`).
     #[arg(long)]
     smooth: bool,
+    /// Seek the focal length of frames that state their lens (`lens`) as well; without it they keep it, and pan and tilt alone are sought.
+    #[arg(long)]
+    seek_focal: bool,
     /// Only frames with these numbers: video frames from 0, or places in the document.
     #[arg(long, value_name = "A..B", value_parser = range)]
     frames: Option<RangeInclusive<usize>>,
@@ -54,7 +57,12 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
     let before = document.clone();
-    let clip = TrackClipOptions { smooth: args.smooth, paint_every: args.paint_every, ..TrackClipOptions::default() };
+    let clip = TrackClipOptions {
+        smooth: args.smooth,
+        paint_every: args.paint_every,
+        seek_focal: args.seek_focal,
+        ..TrackClipOptions::default()
+    };
     let options = TrackingOptions { clip, refine_base: args.refine_base };
     let interrupt = Interrupt::listen();
     let is_stopped = || interrupt.is_pressed();

@@ -12,7 +12,9 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::FrameLens;
+use touchline::exchange::{Format, ImportOptions, import};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::markings::{SampleOptions, sample_lines};
@@ -37,49 +39,25 @@ const PAINT_EVERY_PX: f64 = 25.0;
 struct Shot {
     name: String,
     position_m: Vec3,
-    lenses: Vec<Lens>,
+    lenses: Vec<FrameLens>,
 }
 
-struct Lens {
-    focal_px: f64,
-    principal_point: ImagePoint,
-    k1: f64,
-    k2: f64,
-}
-
-impl Lens {
-    /// The base of a camera that looks through this lens.
-    fn base(&self, position_m: Vec3) -> CameraBase {
-        let angles = BaseAngles { roll: Angle::from_degrees(0.3), ..BaseAngles::default() };
-        let share = if self.k1 == 0.0 { 0.0 } else { self.k2 / (self.k1 * self.k1) };
-        let distortion = FocalCurve { k2_per_k1_squared: share, ..FocalCurve::constant(self.k1) };
-        CameraBase { distortion, ..CameraBase::new(position_m, angles.base_from_world(), self.principal_point) }
+impl Shot {
+    fn read(file: &Path) -> Self {
+        let document = import(file, Format::Fifa, &ImportOptions::default()).unwrap().document;
+        Self {
+            name: file.file_stem().unwrap().to_string_lossy().into_owned(),
+            position_m: document.cameras[0].position_m.unwrap(),
+            lenses: document.frames.iter().filter_map(|frame| frame.lens.clone()).collect(),
+        }
     }
 }
 
 fn shots(folder: &Path) -> Vec<Shot> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "npz"));
     files.sort();
-    let is_csv = |file: &PathBuf| file.extension().is_some_and(|extension| extension == "csv");
-    files.into_iter().filter(is_csv).map(|file| read_shot(&file)).collect()
-}
-
-fn read_shot(file: &Path) -> Shot {
-    let text = std::fs::read_to_string(file).unwrap();
-    let mut rows = text.lines().map(|line| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>());
-    let at = rows.next().unwrap();
-    Shot {
-        name: file.file_stem().unwrap().to_string_lossy().into_owned(),
-        position_m: Vec3::new(at[0], at[1], at[2]),
-        lenses: rows
-            .map(|row| Lens {
-                focal_px: 0.5 * (row[0] + row[1]),
-                principal_point: ImagePoint::new(row[2], row[3]),
-                k1: row[4],
-                k2: row[5],
-            })
-            .collect(),
-    }
+    files.iter().map(|file| Shot::read(file)).collect()
 }
 
 /// A frame as it was drawn.
@@ -105,8 +83,9 @@ impl Draw {
         (0..FRAMES).map(|frame| self.frame(nth(frame), shot.position_m, field)).collect()
     }
 
-    fn frame(&mut self, lens: &Lens, position_m: Vec3, field: &FieldModel) -> Drawn {
-        let base = lens.base(position_m);
+    fn frame(&mut self, lens: &FrameLens, position_m: Vec3, field: &FieldModel) -> Drawn {
+        let angles = BaseAngles { roll: Angle::from_degrees(0.3), ..BaseAngles::default() };
+        let base = lens.base_with(&CameraBase::new(position_m, angles.base_from_world(), SIZE.centre()));
         loop {
             let aim = Vec3::new(self.rng.random_range(-45.0..45.0), self.rng.random_range(-25.0..25.0), 0.0);
             let towards = base.base_from_world * (aim - position_m);

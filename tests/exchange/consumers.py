@@ -17,7 +17,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 COMMON = ["numpy", "opencv-python-headless"]
 # Packages, and the formats that are read with them.
 CONSUMERS = {
-    "opencv": ([], ["soccernet", "wc14", "tsworldcup", "broadtrack", "opencv", "json", "imports", "jac"]),
+    "opencv": ([], ["soccernet", "wc14", "tsworldcup", "broadtrack", "opencv", "fifa", "json", "imports", "jac"]),
     "pandas": (["pandas"], ["csv"]),
     "pyyaml": (["PyYAML"], ["yolo-pose"]),
     "pycocotools": (["pycocotools"], ["coco"]),

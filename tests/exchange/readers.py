@@ -181,6 +181,17 @@ def opencv(exports, truths, world):
     return worst(pairs)
 
 
+def fifa(exports, truths, world):
+    with np.load(exports.make("fifa", "cameras.npz"), allow_pickle=False) as arrays:
+        cameras = list(zip(arrays["K"], arrays["k"], arrays["R"], arrays["t"]))
+    assert len(cameras) == len(truths)
+    pairs = []
+    for truth, (K, k, R, t) in zip(truths, cameras):
+        pixels, _ = cv2.projectPoints(world.reshape(-1, 1, 3), cv2.Rodrigues(R)[0], t, K, k)
+        pairs.append((truth.project(world), pixels.reshape(-1, 2) + 0.5))
+    return worst(pairs)
+
+
 def colmap(exports, truths, world):
     import pycolmap
 
@@ -509,6 +520,7 @@ BACK = [
     ("broadtrack", "broadtrack", [], [], without_point, 1e-6),
     ("colmap", "colmap", [], [], whole, 1e-6),
     ("opencv", "opencv", [], [], whole, 1e-6),
+    ("fifa", "fifa", [], SIZE, whole, 1e-6),
     ("opentrackio", "opentrackio", [], [], whole, 1e-6),
     ("chan", "chan", [], SIZE, plain, 1e-6),
     ("freed", "freed", ZOOM, SIZE + ZOOM, whole_zoom, 7e-3),
@@ -570,6 +582,7 @@ READERS = [
     ("broadtrack", broadtrack, "its formulas, cv2.projectPoints", 1e-6),
     ("colmap", colmap, "pycolmap", 1e-6),
     ("opencv", opencv, "cv2.FileStorage, cv2.projectPoints", 1e-6),
+    ("fifa", fifa, "numpy.load, cv2.projectPoints", 1e-6),
     ("usda", usd, "usd-core, the camera's frustum", 1e-3),
     ("opentrackio", opentrackio, "jsonschema, its formulas, scipy", 1e-6),
     ("freed", freed, "its table of bytes, scipy", 7e-3),

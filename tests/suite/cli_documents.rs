@@ -221,7 +221,7 @@ fn wrong_usage_is_one_line_and_exit_two() {
     let folder = pictures();
     let exports = Format::ALL.into_iter().filter(|format| format.exports()).map(Format::name);
     let unknown_format = format!(
-        "invalid value 'gif' for '--format <FORMAT>' [possible values: {}]; see touchline --help",
+        "invalid value 'bmp' for '--format <FORMAT>' [possible values: {}]; see touchline --help",
         exports.collect::<Vec<_>>().join(", ")
     );
     let table = [
@@ -232,7 +232,7 @@ fn wrong_usage_is_one_line_and_exit_two() {
             "nothing.json does not exist; give a project folder, its project.json or a dataset file",
         ),
         ("solve frames", "the folder frames holds no project.json; `touchline new` makes a project"),
-        ("export frames --format gif", &unknown_format),
+        ("export frames --format bmp", &unknown_format),
         (
             "new m --frames frames",
             "the following required arguments were not provided: --field <TEMPLATE>; see touchline --help",

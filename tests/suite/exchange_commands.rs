@@ -236,3 +236,26 @@ fn pipes_and_names_that_no_document_can_write_are_refused() {
     let ran = touchline(folder.path(), "relocalize pipe.json a.png -o out.json");
     assert_eq!((ran.code, ran.stderr.as_str()), (2, "touchline: cannot read pipe.json: it is a pipe, not a file\n"));
 }
+
+#[test]
+fn the_lens_of_every_frame_travels_without_its_rotation() {
+    let folder = tempfile::tempdir().unwrap();
+    let before = document(folder.path());
+    let ran = touchline(folder.path(), "export doc.json --format fifa --rotations first -o shot.npz");
+    assert_eq!(ran.code, 1, "one frame is not solved: {}", ran.stderr);
+    let ran = touchline(folder.path(), "import shot.npz --format fifa --size 1280x720 -o back.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let (_, after, _) = read(&folder.path().join("back.json")).unwrap();
+    let solved: Vec<bool> = after.frames.iter().map(|frame| frame.ptz.is_some()).collect();
+    assert_eq!(solved, [true, false, false]);
+    for (frame, known) in after.frames.iter().zip(&before.frames) {
+        let (lens, camera) = (frame.lens.as_ref().unwrap(), before.pointed(known).unwrap());
+        assert_eq!((lens.focal_px, lens.radial()), (camera.ptz().focal_px, camera.lens()));
+        let video = frame.video.as_ref().unwrap();
+        assert!(video.path.ends_with("shot.mp4"), "{}", video.path);
+    }
+    fs::write(folder.path().join("bad.npz"), "PK\u{3}\u{4}").unwrap();
+    let ran = touchline(folder.path(), "import bad.npz --format fifa -o bad.json");
+    assert_eq!((ran.code, ran.stderr.lines().count()), (2, 1), "{}", ran.stderr);
+    assert!(ran.stderr.contains("bad.npz: not an archive as numpy.savez writes it (.npz)"), "{}", ran.stderr);
+}

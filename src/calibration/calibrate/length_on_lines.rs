@@ -62,9 +62,10 @@ pub struct LengthOnLines {
 }
 
 /// A frame's picture and its camera at the assumed length.
-struct Look {
+struct Look<'a> {
     ground: GroundPicture,
     ptz: Ptz,
+    frame: &'a Frame,
 }
 
 /// Measures the length of the field of a document's cameras, where frames doubt it. None where none does, where it was fitted
@@ -115,7 +116,7 @@ fn length_by_camera(
     let agreeing = looks(at, &agreeing, picture);
     let assumed_m = unseen.assumed_m();
     let (min_m, max_m) = unseen.limits_m();
-    let worth = |looks: &[Look], length_m: f64| mean(&worths(&unseen, looks, length_m));
+    let worth = |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m));
     let rated: Vec<(f64, f64)> =
         steps(min_m, max_m, COARSE_M).into_iter().map(|length_m| (worth(&doubted, length_m), length_m)).collect();
     let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(None) };
@@ -163,21 +164,21 @@ fn frames_of<'a>(document: &'a Document, camera: &CameraId, is_asked: impl Fn(&F
 }
 
 /// The pictures of some of these frames, evenly spread.
-fn looks(at: DocumentAt<'_>, frames: &[&Frame], picture: PictureOf<'_>) -> Vec<Look> {
+fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -> Vec<Look<'a>> {
     let step = frames.len().div_ceil(FRAMES).max(1);
-    let read = |frame: &&Frame| {
+    let read = |frame: &&'a Frame| {
         let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
-        Some(Look { ground, ptz: frame.ptz.as_ref()?.ptz() })
+        Some(Look { ground, ptz: frame.ptz.as_ref()?.ptz(), frame })
     };
     frames.iter().copied().step_by(step).collect::<Vec<_>>().iter().filter_map(read).collect()
 }
 
 /// How much of the paint of each frame a length explains: how near the lines lie to paint, times the paint that lies at lines. Each
 /// alone has its best where the lines in question leave the picture.
-fn worths(unseen: &UnseenLength, looks: &[Look], length_m: f64) -> Vec<f64> {
+fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> {
     let Some((field, base)) = unseen.at_length(length_m) else { return vec![0.0; looks.len()] };
-    let worth = |look: &Look| {
-        let check = check_lines(&look.ground, &field, &PtzCamera::new(base, look.ptz));
+    let worth = |look: &Look<'_>| {
+        let check = check_lines(&look.ground, &field, &PtzCamera::new(look.frame.base_from(&base), look.ptz));
         check.agreement * (1.0 - check.unexplained.unwrap_or(0.0))
     };
     looks.par_iter().map(worth).collect()

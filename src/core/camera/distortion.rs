@@ -48,6 +48,16 @@ impl FocalCurve {
         Self { at_focal_px: 0.0, value: k1, per_1000_px: 0.0, k2_per_k1_squared: 0.0 }
     }
 
+    /// The lens with these coefficients at every focal length; none where k₂ comes without k₁.
+    #[must_use]
+    pub fn through(Radial { k1, k2 }: Radial) -> Option<Self> {
+        if k1 == 0.0 && k2 != 0.0 {
+            return None;
+        }
+        let k2_per_k1_squared = if k2 == 0.0 { 0.0 } else { k2 / (k1 * k1) };
+        Some(Self { k2_per_k1_squared, ..Self::constant(k1) })
+    }
+
     /// k₁ at a focal length.
     #[inline]
     #[must_use]

@@ -253,10 +253,18 @@ impl Camera {
         })
     }
 
-    /// The base with which a frame is solved and drawn: where the camera has no curve, a k₁ that the frame brings along
-    /// counts; where it has one, the curve does.
+    /// The base with which a frame is solved and drawn.
+    ///
+    /// A frame with a [lens](Frame::lens) of its own has that lens and its principal point. Else the camera's curve counts, and a k₁
+    /// that the frame's `ptz` brings along only where the camera has no curve.
     #[must_use]
     pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
+        Some(frame.base_from(&self.base_without_frame_lens(frame)?))
+    }
+
+    /// The same without the [lens](Frame::lens) that the frame itself has.
+    #[must_use]
+    pub fn base_without_frame_lens(&self, frame: &Frame) -> Option<CameraBase> {
         let mut base = self.base()?;
         if self.curve().is_none()
             && let Some(k1) = frame.ptz.as_ref().and_then(|ptz| ptz.k1)

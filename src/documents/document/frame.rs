@@ -1,10 +1,11 @@
 //! A frame of the document: where its picture is, its clicks, its solution.
 
-use super::{CameraId, Click, Extra, FrameId, FramePtz, Repeat, Solution, adapters};
+use super::{CameraId, Click, Extra, FrameId, FrameLens, FramePtz, Repeat, Solution, adapters};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
+use touchline_core::camera::CameraBase;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
 
@@ -67,6 +68,9 @@ pub struct Frame {
     #[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 4]>"))]
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
+    /// What its lens is known to be before it is solved; none: as its camera's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<FrameLens>,
     /// Pan, tilt and focal length; none: unsolved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ptz: Option<FramePtz>,
@@ -259,6 +263,7 @@ impl Frame {
             clicks: Vec::new(),
             repeats: Vec::new(),
             masks: Vec::new(),
+            lens: None,
             ptz: None,
             solution: None,
             extra: Extra::new(),
@@ -276,6 +281,12 @@ impl Frame {
     #[must_use]
     pub fn has_content_of(&self, other: &Self) -> bool {
         self == other || *self == Self { revision: self.revision, ..other.clone() }
+    }
+
+    /// The base of its camera with its own [lens](Self::lens), where it has one.
+    #[must_use]
+    pub fn base_from(&self, base: &CameraBase) -> CameraBase {
+        self.lens.as_ref().map_or(*base, |lens| lens.base_with(base))
     }
 
     /// The id that follows from its picture.

@@ -56,6 +56,7 @@
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?`, `snapped_sigma_px?`: moved to the paint, known to this 1-σ ([`Click`]) |
 //! | `masks_px?` | boxes that give no features in this frame, px |
+//! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
 //! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
 //! | `solution?` | below |
 //!
@@ -102,6 +103,7 @@ pub mod fixtures;
 mod frame;
 mod frame_changes;
 mod frame_id;
+mod frame_lens;
 mod frame_solution;
 mod frames;
 mod gold;
@@ -143,6 +145,7 @@ pub use fields::Fields;
 pub use frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
 pub use frame_changes::FrameChanges;
 pub use frame_id::FrameId;
+pub use frame_lens::FrameLens;
 pub use frame_solution::ENOUGH_EQUATIONS;
 pub use frames::Frames;
 pub use gold::RepeatedClicks;

@@ -35,6 +35,7 @@ impl Format {
             Self::FreeD => "camera.freed",
             Self::FreeDCsv => "camera.csv",
             Self::Chan => "camera.chan",
+            Self::Fifa => "cameras.npz",
             Self::Cdf => "video.json",
             folder => folder.name(),
         }
@@ -98,6 +99,10 @@ impl Format {
             Self::Chan => {
                 about("y up, m, rotation order ZXY, vertical field of view in degrees", "Nuke, Blender, Natron")
             }
+            Self::Fifa => about(
+                "touchline's world → camera, R and t; pixel centres at whole numbers; a lens per frame",
+                "FIFA Skeletal Tracking tasks, NumPy",
+            ),
             Self::Cdf => {
                 about("touchline's world; the camera's position, m", "the Common Data Format and its validator")
             }

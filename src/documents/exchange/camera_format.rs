@@ -3,11 +3,12 @@
 use super::error::ExchangeError;
 use super::files::Files;
 use super::frame_camera::FrameCamera;
-use super::into_document::Exactness;
+use super::into_document::{Exactness, View, document_of};
 use super::options::{ExportOptions, ImportOptions};
 use super::picture_size::SizeSource;
 use super::rate::Rate;
 use super::timecode::Timecode;
+use crate::document::{Document, FieldSpec};
 use std::path::Path;
 use touchline_core::field::FieldModel;
 
@@ -62,6 +63,11 @@ pub trait CameraFormat: Sync {
     /// How exactly its frames agree on a common base.
     fn exactness(&self) -> Exactness {
         Exactness::default()
+    }
+
+    /// The document of its frames.
+    fn document(&self, field: FieldSpec, frames: &[View]) -> Document {
+        document_of(field, frames, self.exactness())
     }
 
     /// What a user should know of these frames in this format.

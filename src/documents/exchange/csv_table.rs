@@ -145,6 +145,7 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         name,
         image,
         camera,
+        video: None,
         size: Some(ImageSize::new(side("width_px")?, side("height_px")?)),
         shown: Shown::Camera(pinhole),
         frame_index: index,

@@ -402,6 +402,22 @@ pub enum Problem {
         /// What is wrong there.
         problem: Box<Problem>,
     },
+    /// The same in an array of an archive.
+    #[error("{array}: {problem}")]
+    Array {
+        /// The array's name.
+        array: String,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
+    /// The same at a frame of a sequence.
+    #[error("frame {frame}: {problem}")]
+    Frame {
+        /// The frame, from 0.
+        frame: usize,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
     /// The same at a line of a text.
     #[error("line {line}: {problem}")]
     Line {
@@ -423,6 +439,18 @@ impl Problem {
     #[must_use]
     pub(crate) fn at_packet(self, packet: usize) -> Self {
         Self::Packet { packet, problem: Box::new(self) }
+    }
+
+    /// The problem in an array of an archive.
+    #[must_use]
+    pub(crate) fn at_array(self, array: &str) -> Self {
+        Self::Array { array: array.to_owned(), problem: Box::new(self) }
+    }
+
+    /// The problem at a frame, counted from 0.
+    #[must_use]
+    pub(crate) fn at_frame(self, frame: usize) -> Self {
+        Self::Frame { frame, problem: Box::new(self) }
     }
 
     /// The problem at a line, counted from 1.

@@ -7,7 +7,7 @@ use super::exported::Exported;
 use super::files::Files;
 use super::format::Format;
 use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
-use super::into_document::document_of;
+use super::into_document::camera_of;
 use super::loss::{crown_off_px, farthest_landmark, loss_between};
 use super::options::ExportOptions;
 use super::rate::Rate;
@@ -36,6 +36,7 @@ fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> 
         name: frame.name(),
         image: frame.image.clone(),
         camera: Some(frame.camera.as_str().to_owned()),
+        video: frame.video.as_ref().map(|video| video.path.clone()),
         size: Some(size.unwrap_or(frame.image_size)),
         shown: Shown::Camera(pinhole),
         frame_index: frame.video.as_ref().map(|video| video.frame_index),
@@ -247,6 +248,11 @@ impl Proof<'_> {
         let otherwise = |kept: &FrameCamera| ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
         let mut worst_px = 0.0_f64;
         let mut compare = |kept: &FrameCamera, again: &FrameCamera| {
+            if let (Shown::Lens(before), lens) = (&kept.shown, again.shown)
+                && lens != Shown::Lens(*before)
+            {
+                return Err(otherwise(kept));
+            }
             let (what, off_px) = farthest_landmark(kept, again, context.field);
             let allowed_px = of.resolution_px(kept);
             if !(off_px <= allowed_px) {
@@ -260,14 +266,19 @@ impl Proof<'_> {
         for kept in held {
             let again = by_name.remove(&kept.name).filter(|_| is_complete).ok_or_else(|| otherwise(kept))?;
             compare(kept, &again)?;
-            if let (Some(size), &Shown::Camera(view)) = (kept.size, &again.shown) {
+            if let (Some(size), Shown::Camera(_) | Shown::Lens(_)) = (kept.size, &again.shown)
+                && let Ok(view) = camera_of(&again, size)
+            {
                 views.push((again, size, view));
             }
         }
         // As a document: frames share bases there, and pan, tilt and focal length are what is left.
-        let document = document_of(reading.field, &views, of.exactness());
+        let document = of.document(reading.field, &views);
         drop(views);
         for (kept, frame) in held.iter().zip(&document.frames) {
+            if matches!(kept.shown, Shown::Lens(_)) {
+                continue;
+            }
             let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
             let shown = camera.ok_or_else(|| otherwise(kept))?;
             compare(kept, &FrameCamera { shown, ..kept.clone() })?;

@@ -48,6 +48,8 @@ pub enum Format {
     DeepSport,
     /// Nuke's camera track.
     Chan,
+    /// Arrays of the FIFA Skeletal Tracking tasks.
+    Fifa,
     /// The Common Data Format's sheet of a video.
     Cdf,
     /// Cameras of `PnLCalib`, No Bells Just Whistles and `TVCalib`.
@@ -72,7 +74,7 @@ const fn facts(name: &'static str, title: &'static str, is_folder: bool, imports
 
 impl Format {
     /// Every format, in the order of the help.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Json,
         Self::SoccerNet,
         Self::SoccerNetLines,
@@ -94,6 +96,7 @@ impl Format {
         Self::FreeDCsv,
         Self::DeepSport,
         Self::Chan,
+        Self::Fifa,
         Self::Cdf,
         Self::PnlCalib,
         Self::AuthorsMat,
@@ -124,6 +127,7 @@ impl Format {
             Self::FreeDCsv => facts("freed-csv", "FreeD data as a table, with times", false, true, true),
             Self::DeepSport => facts("deepsport", "DeepSport basketball cameras", true, true, false),
             Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
+            Self::Fifa => facts("fifa", "FIFA Skeletal Tracking cameras, one .npz per video", false, true, true),
             Self::Cdf => facts("cdf", "Common Data Format: the sheet of a video", false, false, true),
             Self::PnlCalib => facts("pnlcalib", "cameras of PnLCalib, NBJW or TVCalib", true, true, false),
             Self::AuthorsMat => facts("authors-mat", "the two-point method's MATLAB files", true, true, false),
@@ -161,6 +165,7 @@ impl Format {
             Self::FreeD => "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values",
             Self::FreeDCsv => "lens, principal point, size; whole zoom values",
             Self::Chan => "lens, principal point, size, rate, uncertainty",
+            Self::Fifa => "size of the picture, numbers and times of frames, uncertainty",
             Self::Cdf => "everything but the camera's position, the picture size and the frame rate",
             Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat => "it is read only",
         }

@@ -15,6 +15,19 @@ pub enum Shown {
     Camera(Pinhole),
     /// By a homography from the ground (world x and y, m) to the picture (px, corner convention).
     Ground(Mat3),
+    /// By a camera of which only the lens is known.
+    Lens(KnownLens),
+}
+
+/// The lens of a frame whose pan and tilt are not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownLens {
+    /// px.
+    pub focal_px: f64,
+    /// px, corner convention.
+    pub principal_point: ImagePoint,
+    /// On normalised coordinates.
+    pub radial: Radial,
 }
 
 /// A pinhole camera with radial distortion, in the conventions of the document.
@@ -41,6 +54,8 @@ pub struct FrameCamera {
     pub image: Option<String>,
     /// The name of its camera; none where the format has none.
     pub camera: Option<String>,
+    /// The file name of the video that it is a frame of; none where the format does not say.
+    pub video: Option<String>,
     /// The size of the picture; none where the format does not say.
     pub size: Option<ImageSize>,
     /// How it shows the world.
@@ -84,6 +99,7 @@ impl FrameCamera {
             name: name.to_owned(),
             image: None,
             camera: None,
+            video: None,
             size,
             shown,
             frame_index: None,
@@ -98,7 +114,7 @@ impl FrameCamera {
     pub const fn pinhole(&self) -> Option<&Pinhole> {
         match &self.shown {
             Shown::Camera(pinhole) => Some(pinhole),
-            Shown::Ground(_) => None,
+            Shown::Ground(_) | Shown::Lens(_) => None,
         }
     }
 
@@ -114,11 +130,32 @@ impl FrameCamera {
                 let image = image_from_ground * Vec3::new(point_in_world.x, point_in_world.y, 1.0);
                 Some(ImagePoint::new(image.x / image.z, image.y / image.z)).filter(|point| point.is_finite())
             }
+            Shown::Lens(_) => None,
+        }
+    }
+}
+
+impl KnownLens {
+    /// A camera with this lens at the origin that points along the third axis.
+    #[must_use]
+    pub fn unpointed(&self) -> Pinhole {
+        Pinhole {
+            cam_from_world: Mat3::identity(),
+            position_m: Vec3::zeros(),
+            focal_px: self.focal_px,
+            principal_point: self.principal_point,
+            lens: self.radial,
         }
     }
 }
 
 impl Pinhole {
+    /// Its lens alone.
+    #[must_use]
+    pub const fn known_lens(&self) -> KnownLens {
+        KnownLens { focal_px: self.focal_px, principal_point: self.principal_point, radial: self.lens }
+    }
+
     /// The camera of a frame as it is pointed.
     #[must_use]
     pub fn of(camera: &PtzCamera) -> Self {
@@ -182,12 +219,7 @@ impl Pinhole {
     /// Its lens at every focal length.
     #[must_use]
     pub fn curve(&self) -> Option<FocalCurve> {
-        let Radial { k1, k2 } = self.lens;
-        if k1 == 0.0 && k2 != 0.0 {
-            return None;
-        }
-        let k2_per_k1_squared = if k2 == 0.0 { 0.0 } else { k2 / (k1 * k1) };
-        Some(FocalCurve { k2_per_k1_squared, ..FocalCurve::constant(k1) })
+        FocalCurve::through(self.lens)
     }
 
     /// −R C.

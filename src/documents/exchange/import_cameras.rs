@@ -4,8 +4,9 @@ use super::camera_format::CameraFormat;
 use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
+use super::frame_camera::Shown;
 use super::imported::Imported;
-use super::into_document::{camera_of, document_of};
+use super::into_document::camera_of;
 use super::options::ImportOptions;
 use super::picture_size::{FittedSizes, SizeSource, fit_to_picture};
 use super::pictures::image_of;
@@ -62,7 +63,8 @@ pub fn import_cameras(
         if frame.image.is_some() || frame.frame_index.is_none() {
             frame.image = Some(path_between(folder, &images.join(file)));
         }
-        fitted += usize::from(frame.pinhole().is_none());
+        frame.video = frame.video.as_ref().map(|video| path_between(folder, &images.join(video)));
+        fitted += usize::from(matches!(frame.shown, Shown::Ground(_)));
         let view = camera_of(frame, size).map_err(|source| ExchangeError::NoCamera {
             path: path.to_path_buf(),
             frame: clipped(&frame.name),
@@ -79,7 +81,7 @@ pub fn import_cameras(
             "{fitted} cameras were fitted to homographies, with the principal point in the middle and no distortion"
         ));
     }
-    let document = document_of(options.field.clone(), &views, camera_format.exactness());
+    let document = camera_format.document(options.field.clone(), &views);
     Ok(Imported { document, folder: folder.to_path_buf(), notes })
 }
 
@@ -89,6 +91,8 @@ struct SizesBy {
     option: usize,
     format: usize,
     assumed: usize,
+    /// What was assumed first.
+    assumed_size: Option<ImageSize>,
 }
 
 impl SizesBy {
@@ -109,14 +113,17 @@ impl SizesBy {
         }
         let count = if source == SizeSource::Assumed { &mut self.assumed } else { &mut self.format };
         *count += usize::from(format.is_some());
+        self.assumed_size = self.assumed_size.or(format);
         format
     }
 
     fn notes(&self) -> Vec<String> {
+        let ImageSize { width, height } = self.assumed_size.unwrap_or(ImageSize::new(0, 0));
+        let assumed = format!("assumed, as that of the set ({width} × {height}); --size WIDTHxHEIGHT gives another");
         let said = [
             (self.option, "given by --size"),
             (self.format, "what the files say (their images are missing)"),
-            (self.assumed, "assumed, as that of the set (1280 × 720); --size WIDTHxHEIGHT gives another"),
+            (self.assumed, &assumed),
         ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
         said.map(|(count, by)| format!("the picture size of {count} frames is {by}")).collect()

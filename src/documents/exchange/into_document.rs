@@ -36,9 +36,12 @@ impl Default for Exactness {
     }
 }
 
+/// A frame that was read, the size of its picture, and its camera.
+pub type View = (FrameCamera, ImageSize, Pinhole);
+
 /// Makes a document of frames with a known picture size each. A video's path, where given, is what frame numbers refer to.
 #[must_use]
-pub fn document_of(field: FieldSpec, frames: &[(FrameCamera, ImageSize, Pinhole)], exact: Exactness) -> Document {
+pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut document = Document::new(field);
     let mut ids = FreeIds::default();
     let groups = of_one_place(frames, exact.place_m);
@@ -89,13 +92,9 @@ pub fn document_of(field: FieldSpec, frames: &[(FrameCamera, ImageSize, Pinhole)
     document
 }
 
-/// A frame as the document has it.
+/// A solved frame as the document has it.
 fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: FramePtz) -> Frame {
-    let image = frame.image.clone().unwrap_or_else(|| frame.name.clone());
-    let mut made = match (&frame.image, frame.frame_index) {
-        (None, Some(index)) => Frame::from_video(VideoFrame::new(&frame.name, index, frame.pts_s), camera, size),
-        _ => Frame::from_image(&image, camera, size),
-    };
+    let mut made = unsolved_frame(frame, camera, size);
     made.status = match frame.record.status {
         FrameStatus::New | FrameStatus::Rejected => FrameStatus::Suggested,
         known => known,
@@ -109,6 +108,18 @@ fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: F
         ..Solution::default()
     });
     made
+}
+
+/// A frame as the document has it before it is solved.
+pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize) -> Frame {
+    let image = frame.image.clone().unwrap_or_else(|| frame.name.clone());
+    match (&frame.image, frame.frame_index) {
+        (None, Some(index)) => {
+            let video = frame.video.as_deref().unwrap_or(&frame.name);
+            Frame::from_video(VideoFrame::new(video, index, frame.pts_s), camera, size)
+        }
+        _ => Frame::from_image(&image, camera, size),
+    }
 }
 
 /// The positions of frames that may have one camera: taken from one place, with one camera's name, size and principal point.
@@ -225,13 +236,15 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     (all && curve.is_finite()).then_some(curve)
 }
 
-/// The camera of a frame, fitted to the homography where the format has only that; the principal point in the middle.
+/// The camera of a frame, fitted to the homography where the format has only that; the principal point in the middle. Of a frame
+/// of which only the lens is known a camera that points nowhere.
 ///
 /// # Errors
 /// No camera with square pixels sees the ground so.
 pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlanePoseError> {
     let image_from_ground = match &frame.shown {
         Shown::Camera(pinhole) => return Ok(*pinhole),
+        Shown::Lens(lens) => return Ok(lens.unpointed()),
         Shown::Ground(image_from_ground) => image_from_ground,
     };
     let principal_point = size.centre();

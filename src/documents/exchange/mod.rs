@@ -24,6 +24,7 @@ mod export;
 mod export_cameras;
 mod export_clicks;
 mod exported;
+mod fifa;
 mod files;
 mod format;
 mod frame_camera;
@@ -44,6 +45,7 @@ mod labels;
 mod loss;
 mod node;
 mod npy;
+mod npz;
 mod opencv_yaml;
 mod opentrackio;
 mod options;
@@ -86,7 +88,8 @@ pub use imported::Imported;
 pub use join::{Joined, JoinedPair, join};
 pub use loss::Loss;
 pub use options::{
-    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording, Zoom,
+    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording,
+    Rotations, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;

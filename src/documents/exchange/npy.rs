@@ -1,4 +1,4 @@
-//! A 3 × 3 matrix as `NumPy` writes it (`.npy`, versions 1 to 3). Object arrays, which run code when they are read, are refused.
+//! Arrays as `NumPy` writes them (`.npy`, versions 1 to 3). Object arrays, which run code when they are read, are refused.
 
 use super::error::Problem;
 use super::files::refuse_archive;
@@ -8,22 +8,49 @@ use touchline_core::geometry::Mat3;
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// The longest header that is read, bytes.
 const MAX_HEADER: usize = 4096;
+/// Headers are filled up with blanks, so that the numbers begin at a multiple of this, bytes.
+const ALIGNMENT: usize = 64;
+/// The bytes before the header: the magic ones, the version and the header's length.
+const BEFORE_HEADER: usize = 10;
+
+/// An array of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array {
+    /// Its length along each axis.
+    pub shape: Vec<usize>,
+    /// Its numbers, the last axis running fastest.
+    pub values: Vec<f64>,
+}
+
+impl Array {
+    /// The bytes that `numpy.save` writes for it as float64.
+    #[must_use]
+    pub fn written(&self) -> Vec<u8> {
+        let sides: Vec<String> = self.shape.iter().map(ToString::to_string).collect();
+        let comma = if sides.len() == 1 { "," } else { "" };
+        let shape = format!("({}{comma})", sides.join(", "));
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        let length = (BEFORE_HEADER + header.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_HEADER;
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend([1, 0]);
+        bytes.extend((length as u16).to_le_bytes());
+        bytes.extend(format!("{header:<width$}\n", width = length - 1).bytes());
+        bytes.extend(self.values.iter().flat_map(|value| value.to_le_bytes()));
+        bytes
+    }
+
+    /// The numbers of one entry along the first axis.
+    #[must_use]
+    pub fn row(&self, index: usize) -> &[f64] {
+        let length: usize = self.shape.iter().skip(1).product();
+        self.values.get(index * length..(index + 1) * length).unwrap_or_default()
+    }
+}
 
 /// The bytes that `numpy.save` writes for a matrix of float64.
 #[must_use]
 pub fn written(matrix: &Mat3) -> Vec<u8> {
-    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 3), }";
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend([1, 0, 118, 0]);
-    bytes.extend(format!("{header:<117}\n").bytes());
-    for entry in matrix.transpose().iter() {
-        bytes.extend(entry.to_le_bytes());
-    }
-    bytes
-}
-
-fn wrong(found: String) -> Problem {
-    Problem::NotFormat { wanted: "a 3 x 3 matrix as numpy.save writes it", found }
+    Array { shape: vec![3, 3], values: matrix.transpose().iter().copied().collect() }.written()
 }
 
 /// The matrix of a file.
@@ -31,50 +58,117 @@ fn wrong(found: String) -> Problem {
 /// # Errors
 /// It is none of `NumPy`'s, of another shape or type, too short, or holds NaN.
 pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
-    if bytes.is_empty() {
-        return Err(Problem::Empty);
+    let wanted = "a 3 x 3 matrix as numpy.save writes it";
+    let header = Header::read(bytes, wanted)?;
+    if header.shape != "3,3" {
+        return Err(Problem::NotFormat { wanted, found: format!("the shape is ({})", clipped(header.shape.as_str())) });
     }
-    refuse_archive(bytes)?;
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("the magic bytes are missing".to_owned()))?;
-    let short = || wrong(format!("it ends after {} bytes", bytes.len()));
-    let (length, rest) = match rest {
-        [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
-        [2 | 3, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
-        [version, ..] if *version > 3 || *version == 0 => return Err(wrong(format!("version {version}"))),
-        _ => return Err(short()),
-    };
-    if length > MAX_HEADER {
-        return Err(wrong(format!("a header of {length} bytes")));
-    }
-    let header = rest.get(..length).ok_or_else(short)?;
-    let header = std::str::from_utf8(header).map_err(|_| wrong("a header that is not text".to_owned()))?;
-    let header: String = header.chars().filter(|letter| !letter.is_whitespace()).collect();
-    if header.contains("'descr':'|O'") || header.contains("'descr':\"|O\"") {
-        let why = "reading it would run code; save the matrix as float64";
-        return Err(Problem::Unsupported { what: "an object array".to_owned(), why });
-    }
-    let shape = header.split("'shape':(").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
-    if shape.trim_end_matches(',') != "3,3" {
-        return Err(wrong(format!("the shape is ({})", clipped(shape))));
-    }
-    let data = &rest[length..];
-    let values: Vec<f64> = if header.contains("'descr':'<f8'") {
-        data.chunks_exact(8).take(9).filter_map(|chunk| Some(f64::from_le_bytes(chunk.try_into().ok()?))).collect()
-    } else if header.contains("'descr':'<f4'") {
-        let single = |chunk: &[u8]| Some(f64::from(f32::from_le_bytes(chunk.try_into().ok()?)));
-        data.chunks_exact(4).take(9).filter_map(single).collect()
-    } else {
-        let kind = header.split("'descr':").nth(1).and_then(|rest| rest.split(',').next()).unwrap_or_default();
-        return Err(wrong(format!("numbers of the type {}", clipped(kind))));
-    };
-    if values.len() != 9 {
-        return Err(short());
-    }
-    if values.iter().any(|value| !value.is_finite()) {
+    let array = header.array(wanted)?;
+    if array.values.iter().any(|value| !value.is_finite()) {
         return Err(Problem::NotFinite("a number of the homography".to_owned()));
     }
-    let by_rows = Mat3::from_row_slice(&values);
-    Ok(if header.contains("'fortran_order':True") { by_rows.transpose() } else { by_rows })
+    Ok(Mat3::from_row_slice(&array.values))
+}
+
+/// The array of a file.
+///
+/// # Errors
+/// It is none of `NumPy`'s, of another type, or too short.
+pub fn array(bytes: &[u8]) -> Result<Array, Problem> {
+    let wanted = "an array as numpy.save writes it";
+    Header::read(bytes, wanted)?.array(wanted)
+}
+
+/// The types of numbers that are read: what they are called, how long one is, and its value.
+type NumberType = (&'static str, usize, fn(&[u8]) -> Option<f64>);
+const NUMBER_TYPES: [NumberType; 4] = [
+    ("'<f8'", 8, |bytes| Some(f64::from_le_bytes(bytes.try_into().ok()?))),
+    ("'<f4'", 4, |bytes| Some(f64::from(f32::from_le_bytes(bytes.try_into().ok()?)))),
+    ("'<i8'", 8, |bytes| Some(i64::from_le_bytes(bytes.try_into().ok()?) as f64)),
+    ("'<i4'", 4, |bytes| Some(f64::from(i32::from_le_bytes(bytes.try_into().ok()?)))),
+];
+
+/// What stands before the numbers, and the numbers as bytes.
+struct Header<'a> {
+    /// The file's length, bytes.
+    length: usize,
+    /// The type of the numbers, in quotes.
+    kind: String,
+    /// The lengths along the axes without blanks, with commas between them.
+    shape: String,
+    is_fortran: bool,
+    data: &'a [u8],
+}
+
+impl<'a> Header<'a> {
+    fn read(bytes: &'a [u8], wanted: &'static str) -> Result<Self, Problem> {
+        let wrong = |found: String| Problem::NotFormat { wanted, found };
+        if bytes.is_empty() {
+            return Err(Problem::Empty);
+        }
+        refuse_archive(bytes)?;
+        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("the magic bytes are missing".to_owned()))?;
+        let short = || wrong(format!("it ends after {} bytes", bytes.len()));
+        let (length, rest) = match rest {
+            [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
+            [2 | 3, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
+            [version, ..] if *version > 3 || *version == 0 => return Err(wrong(format!("version {version}"))),
+            _ => return Err(short()),
+        };
+        if length > MAX_HEADER {
+            return Err(wrong(format!("a header of {length} bytes")));
+        }
+        let text = rest.get(..length).ok_or_else(short)?;
+        let text = std::str::from_utf8(text).map_err(|_| wrong("a header that is not text".to_owned()))?;
+        let text: String = text.chars().filter(|letter| !letter.is_whitespace()).collect();
+        if text.contains("'descr':'|O'") || text.contains("'descr':\"|O\"") {
+            let why = "reading it would run code; save the matrix as float64";
+            return Err(Problem::Unsupported { what: "an object array".to_owned(), why });
+        }
+        let shape = text.split("'shape':(").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
+        let kind = text.split("'descr':").nth(1).and_then(|rest| rest.split(',').next()).unwrap_or_default();
+        Ok(Self {
+            length: bytes.len(),
+            kind: kind.to_owned(),
+            shape: shape.trim_end_matches(',').to_owned(),
+            is_fortran: text.contains("'fortran_order':True"),
+            data: &rest[length..],
+        })
+    }
+
+    /// The numbers behind it. No more of them are made than bytes are there.
+    fn array(&self, wanted: &'static str) -> Result<Array, Problem> {
+        let wrong = |found: String| Problem::NotFormat { wanted, found };
+        let Some((_, bytes, value)) = NUMBER_TYPES.into_iter().find(|(name, _, _)| *name == self.kind) else {
+            return Err(wrong(format!("numbers of the type {}", clipped(&self.kind))));
+        };
+        let sides = self.shape.split(',').filter(|side| !side.is_empty());
+        let shape: Option<Vec<usize>> = sides.map(|side| side.parse().ok()).collect();
+        let count = shape.iter().flatten().try_fold(1_usize, |count, side| count.checked_mul(*side));
+        let (Some(shape), Some(count)) = (shape, count) else {
+            return Err(wrong(format!("the shape is ({})", clipped(&self.shape))));
+        };
+        if self.data.len() / bytes < count {
+            return Err(wrong(format!("it ends after {} bytes", self.length)));
+        }
+        let values: Vec<f64> = self.data.chunks_exact(bytes).take(count).filter_map(value).collect();
+        let values = if self.is_fortran { by_rows(&values, &shape) } else { values };
+        Ok(Array { shape, values })
+    }
+}
+
+/// Numbers of which the first axis runs fastest, with the last one running fastest.
+fn by_rows(values: &[f64], shape: &[usize]) -> Vec<f64> {
+    let from = |place: usize| {
+        let (mut left, mut at, mut stride) = (place, 0, values.len());
+        for side in shape.iter().rev() {
+            stride /= side;
+            at += left % side * stride;
+            left /= side;
+        }
+        values[at]
+    };
+    (0..values.len()).map(from).collect()
 }
 
 #[cfg(test)]
@@ -121,7 +215,7 @@ mod tests {
             (version, format!("{not}version 9")),
             (huge, format!("{not}a header of 4294967295 bytes")),
             (swap("(3, 3)", "(2, 3)"), format!("{not}the shape is (2,3)")),
-            (swap("<f8", "<i8"), format!("{not}numbers of the type '<i8'")),
+            (swap("<f8", ">f8"), format!("{not}numbers of the type '>f8'")),
             (
                 swap("'<f8'", "'|O' "),
                 "an object array cannot be read: reading it would run code; save the matrix as float64".to_owned(),
@@ -130,5 +224,48 @@ mod tests {
         ] {
             assert_eq!(matrix(&bytes).unwrap_err().to_string(), wanted);
         }
+    }
+
+    #[test]
+    fn arrays_of_any_shape_and_of_whole_numbers_are_read() {
+        let array = Array { shape: vec![2, 3, 4], values: (0..24).map(f64::from).collect() };
+        let bytes = array.written();
+        assert_eq!(bytes.len(), 128 + 24 * 8);
+        assert_eq!((super::array(&bytes).unwrap(), array.row(1)), (array.clone(), &array.values[12..]));
+        assert_eq!(array.row(2), [0.0; 0]);
+        let list = Array { shape: vec![2], values: vec![3.0, -4.0] };
+        assert_eq!(super::array(&list.written()).unwrap(), list);
+        let mut whole = list.written();
+        let at = whole.windows(3).position(|window| window == b"<f8").unwrap();
+        whole[at..at + 3].copy_from_slice(b"<i8");
+        let from = whole.len() - 16;
+        whole[from..].copy_from_slice(&[3_i64.to_le_bytes(), (-4_i64).to_le_bytes()].concat());
+        assert_eq!(super::array(&whole).unwrap(), list);
+    }
+
+    #[test]
+    fn the_order_of_fortran_is_turned_round_and_impossible_shapes_are_refused() {
+        let array = Array { shape: vec![2, 3, 4], values: (0..24).map(f64::from).collect() };
+        let at = |i: usize, j: usize, k: usize| array.values[(i * 3 + j) * 4 + k];
+        let by_columns: Vec<f64> = (0..4)
+            .flat_map(|k| (0..3).flat_map(move |j| (0..2).map(move |i| (i, j, k))))
+            .map(|(i, j, k)| at(i, j, k))
+            .collect();
+        assert_eq!(by_rows(&by_columns, &array.shape), array.values);
+        let good = array.written();
+        for (shape, found) in [
+            ("(-2, 3, 4)", "the shape is (-2,3,4)"),
+            ("(9, 99, 99)", "it ends after 320 bytes"),
+            ("(4294967296, 4294967296)", "the shape is (4294967296,4294967296)"),
+        ] {
+            let text = format!("{:<40}", format!("'shape': {shape}, }}"));
+            let from = good.windows(8).position(|window| window == b"'shape':").unwrap();
+            let mut bytes = good.clone();
+            bytes[from..from + text.len()].copy_from_slice(text.as_bytes());
+            let problem = super::array(&bytes).unwrap_err().to_string();
+            assert_eq!(problem, format!("not an array as numpy.save writes it: {found}"));
+        }
+        let nothing = Array { shape: vec![0, 3, 3], values: Vec::new() };
+        assert_eq!(super::array(&nothing.written()).unwrap(), nothing);
     }
 }

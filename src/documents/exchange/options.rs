@@ -62,6 +62,8 @@ pub struct ExportOptions {
     pub sensor_width_mm: Option<f64>,
     /// How FreeD's zoom value says the focal length.
     pub zoom: Zoom,
+    /// Of which frames rotation and translation are written, where the format can leave them open.
+    pub rotations: Rotations,
     /// What is known of the video as a recording of a match.
     pub recording: Recording,
 }
@@ -109,6 +111,16 @@ pub enum Gaps {
     Interpolate(u64),
     /// A gap begins a new take, in files of its own.
     Takes,
+}
+
+/// Of which frames a format gets rotation and translation that can leave them open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rotations {
+    /// Of all.
+    #[default]
+    All,
+    /// Of the first; of the others the lens alone.
+    First,
 }
 
 /// How files are read.

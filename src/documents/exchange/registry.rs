@@ -10,6 +10,7 @@ use super::colmap::Colmap;
 use super::csv_table::Csv;
 use super::cvat::Cvat;
 use super::deepsport::DeepSport;
+use super::fifa::Fifa;
 use super::format::Format;
 use super::freed::{FreeD, FreeDCsv};
 use super::homography_files::{HomographyLines, TsWorldCup, Wc14};
@@ -41,6 +42,7 @@ pub fn camera_format(format: Format) -> Option<&'static dyn CameraFormat> {
         Format::FreeDCsv => &FreeDCsv,
         Format::DeepSport => &DeepSport,
         Format::Chan => &Chan,
+        Format::Fifa => &Fifa,
         Format::Cdf => &Cdf,
         _ => return None,
     })

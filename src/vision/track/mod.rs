@@ -33,8 +33,9 @@ mod turns;
 
 pub use anchor_residual::Hold;
 pub use clip::{
-    AdjustOptions, AdjustedClip, AdjustedFrame, Anchor, AnchorSource, Carried, CarryOptions, CarryStop, FollowOptions,
-    Jitter, PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed, adjust_clip, carry, smooth,
+    AdjustOptions, AdjustedClip, AdjustedFrame, Anchor, AnchorSource, Carried, CarryOptions, CarryStop, ClipCamera,
+    ClipLens, FollowOptions, Jitter, PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed, adjust_clip,
+    carry, smooth,
 };
 pub use cuts::{CutFinder, FoundCut, Miniature};
 pub use error::TrackError;

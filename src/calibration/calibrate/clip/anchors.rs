@@ -6,18 +6,18 @@ use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameStatus, SolutionSource};
 use touchline_vision::relocalize::CERTAIN;
-use touchline_vision::track::{Anchor, AnchorSource};
+use touchline_vision::track::{Anchor, AnchorSource, ClipCamera};
 
 /// What is known of a clip's frames, and how certain the most certain of it is.
 pub(super) fn anchors(
     document: &Document,
     clip: &ClipFrames,
     field: &FieldModel,
-    base: &CameraBase,
+    camera: &ClipCamera,
 ) -> Vec<(Anchor, f64)> {
     let frames =
         clip.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
-    frames.filter_map(|(at, frame)| of_frame(frame, at, field, base)).collect()
+    frames.filter_map(|(at, frame)| of_frame(frame, at, field, &camera.base_at(at))).collect()
 }
 
 /// Whether a frame's camera is certain enough to be carried on from, and was not carried there itself.

@@ -10,10 +10,12 @@ use touchline_core::solve::Uncertainty;
 const COMMON_PX: f64 = 0.09;
 const COMMON_OF_FOCAL: f64 = 2.5e-4;
 
-/// The covariance (pan rad, tilt rad, focal length px) of a frame's camera with what all frames have in common.
-pub(super) fn with_common(mut covariance: Mat3, ptz: Ptz, size: ImageSize) -> Mat3 {
+/// The covariance (pan rad, tilt rad, focal length px) of a frame's camera with what all frames have in common; a focal length that
+/// is known beforehand has no part of it.
+pub(super) fn with_common(mut covariance: Mat3, ptz: Ptz, size: ImageSize, is_focal_known: bool) -> Mat3 {
     let turn = COMMON_PX * size.scale_from_1920() / ptz.focal_px;
-    let common = Vec3::new(turn, turn, COMMON_OF_FOCAL * ptz.focal_px);
+    let of_focal = if is_focal_known { 0.0 } else { COMMON_OF_FOCAL * ptz.focal_px };
+    let common = Vec3::new(turn, turn, of_focal);
     covariance += Mat3::from_diagonal(&common.component_mul(&common));
     covariance
 }

@@ -2,17 +2,17 @@
 
 use super::paint::Painted;
 use std::collections::BTreeMap;
-use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::camera::Ptz;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
-use touchline_vision::track::{FollowOptions, PointTracks};
+use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 
 /// The points that were followed through a clip's pictures, and the paint that was looked for in them. With it the clip is adjusted
 /// to a corrected frame without reading its pictures again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipEvidence {
     followed: Option<Followed>,
-    base: Option<CameraBase>,
+    camera: Option<ClipCamera>,
     paint: BTreeMap<usize, SeenPaint>,
 }
 
@@ -68,10 +68,10 @@ impl ClipEvidence {
         *self = Self { followed: Some(Followed { pictures, masks, tracks }), ..Self::default() };
     }
 
-    /// Forgets the paint if it was seen with another base.
-    pub(super) fn with_base(&mut self, base: &CameraBase) {
-        if self.base.as_ref() != Some(base) {
-            self.base = Some(*base);
+    /// Forgets the paint if it was seen with another base or other lenses.
+    pub(super) fn with_camera(&mut self, camera: &ClipCamera) {
+        if self.camera.as_ref() != Some(camera) {
+            self.camera = Some(camera.clone());
             self.paint.clear();
         }
     }
@@ -103,28 +103,29 @@ pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_core::camera::CameraBase;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     #[test]
     fn paint_is_remembered_for_cameras_like_the_one_that_it_was_asked_about_and_for_one_base() {
         let base = |x| {
-            CameraBase::new(
+            ClipCamera::new(CameraBase::new(
                 touchline_core::geometry::Vec3::new(x, -60.0, 18.0),
                 touchline_core::camera::BaseAngles::default().base_from_world(),
                 SIZE.centre(),
-            )
+            ))
         };
         let ptz = |pan| Ptz::from_degrees(pan, -10.0, 2000.0);
         let mut evidence = ClipEvidence::default();
-        evidence.with_base(&base(0.0));
+        evidence.with_camera(&base(0.0));
         evidence.keep_paint(7, ptz(3.0), Painted::Contradicts);
         assert_eq!(evidence.paint(7, ptz(3.01), SIZE), Some(Painted::Contradicts));
         assert_eq!(evidence.paint(7, ptz(3.1), SIZE), None, "3.4 px away");
         assert_eq!(evidence.paint(8, ptz(3.0), SIZE), None);
-        evidence.with_base(&base(0.0));
+        evidence.with_camera(&base(0.0));
         assert!(evidence.paint(7, ptz(3.0), SIZE).is_some());
-        evidence.with_base(&base(0.1));
+        evidence.with_camera(&base(0.1));
         assert_eq!(evidence.paint(7, ptz(3.0), SIZE), None, "it was seen with another base");
     }
 }

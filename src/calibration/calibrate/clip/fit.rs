@@ -11,12 +11,12 @@ use super::options::{ClipProgress, TrackClipOptions, WatchClip};
 use super::paint::{Painted, share_alike};
 use super::pictures::{ClipPictures, go_on};
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::{GroundPicture, LineCheck, check_lines};
-use touchline_vision::track::{AdjustedClip, Anchor, AnchorSource, Carried, PointTracks, adjust_clip};
+use touchline_vision::track::{AdjustedClip, Anchor, AnchorSource, Carried, ClipCamera, PointTracks, adjust_clip};
 
 /// Rounds of paint and adjustment at most.
 const MAX_ROUNDS: usize = 3;
@@ -32,7 +32,7 @@ const SCORE_NOISE: f64 = 0.05;
 
 /// What a clip is adjusted from.
 pub(super) struct ClipFit<'a> {
-    pub base: &'a CameraBase,
+    pub camera: &'a ClipCamera,
     pub field: &'a FieldModel,
     pub tracks: &'a PointTracks,
     pub carried: &'a Carried,
@@ -77,7 +77,7 @@ impl ClipFit<'_> {
         let mut painted = 0;
         for _ in 0..if self.options.paint_every > 0 { MAX_ROUNDS } else { 0 } {
             let asked = self.frames_to_ask(&adjusted);
-            let found = self.pictures.ask_paint(reader, (self.field, self.base), &asked, evidence, watch)?;
+            let found = self.pictures.ask_paint(reader, (self.field, self.camera), &asked, evidence, watch)?;
             let aligned: BTreeMap<usize, Anchor> = found
                 .into_iter()
                 .filter_map(|(frame, says)| if let Painted::Snapped(at) = says { Some((frame, at)) } else { None })
@@ -104,7 +104,7 @@ impl ClipFit<'_> {
         let mut anchors: Vec<Anchor> = known.chain(aligned.values()).copied().collect();
         share_alike(&mut anchors, self.pictures.size);
         let undetermined = TrackClipError::Undetermined { frames: self.pictures.clip.frames.len() };
-        adjust_clip(self.base, self.tracks, self.carried, &anchors, &self.options.adjust).ok_or(undetermined)
+        adjust_clip(self.camera, self.tracks, self.carried, &anchors, &self.options.adjust).ok_or(undetermined)
     }
 
     /// The frames whose paint is looked for, with their cameras: every n-th, and those that had a camera before.
@@ -183,7 +183,7 @@ impl ClipFit<'_> {
     ) -> Result<(LineCheck, bool), TrackClipError> {
         let shown = self.pictures.read_masked(reader, frame)?;
         let ground = GroundPicture::new(&shown.picture, &shown.masks);
-        let check = |ptz: Ptz| check_lines(&ground, self.field, &PtzCamera::new(*self.base, ptz));
+        let check = |ptz: Ptz| check_lines(&ground, self.field, &PtzCamera::new(self.camera.base_at(frame), ptz));
         let now = check(ptz);
         let keeps_earlier = earlier.is_some_and(|earlier| !may_replace(&check(earlier), &now));
         Ok((now, keeps_earlier))

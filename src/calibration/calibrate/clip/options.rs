@@ -16,6 +16,9 @@ pub struct TrackClipOptions {
     pub paint_every: usize,
     /// Whether the motion is smoothed. False by default.
     pub smooth: bool,
+    /// Whether the focal length of frames that state their lens is sought as in all others, and their statement but a start. False
+    /// by default: it is kept, and pan and tilt alone are sought.
+    pub seek_focal: bool,
 }
 
 impl Default for TrackClipOptions {
@@ -26,6 +29,7 @@ impl Default for TrackClipOptions {
             adjust: AdjustOptions::default(),
             paint_every: 5,
             smooth: false,
+            seek_focal: false,
         }
     }
 }

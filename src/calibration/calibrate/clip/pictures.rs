@@ -6,12 +6,12 @@ use super::frames::ClipFrames;
 use super::options::{ClipProgress, WatchClip};
 use super::paint::{MaskedPicture, Painted};
 use std::ops::ControlFlow;
-use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::camera::Ptz;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_documents::document::DocumentAt;
 use touchline_vision::media::{Picture, ReadFrames};
-use touchline_vision::track::{FollowOptions, PointFollower, PointTracks, TrackError};
+use touchline_vision::track::{ClipCamera, FollowOptions, PointFollower, PointTracks, TrackError};
 
 /// The pictures of a clip.
 pub(super) struct ClipPictures<'a> {
@@ -95,7 +95,7 @@ impl ClipPictures<'_> {
     pub fn ask_paint(
         &self,
         reader: &mut dyn ReadFrames,
-        (field, base): (&FieldModel, &CameraBase),
+        (field, camera): (&FieldModel, &ClipCamera),
         asked: &[(usize, Ptz)],
         evidence: &mut ClipEvidence,
         watch: WatchClip<'_>,
@@ -106,7 +106,8 @@ impl ClipPictures<'_> {
             let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
                 says
             } else {
-                let says = Painted::from_picture(&self.read_masked(reader, frame)?, field, base, (frame, ptz));
+                let base = camera.base_at(frame);
+                let says = Painted::from_picture(&self.read_masked(reader, frame)?, field, &base, (frame, ptz));
                 evidence.keep_paint(frame, ptz, says.clone());
                 says
             };

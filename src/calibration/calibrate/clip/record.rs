@@ -25,9 +25,10 @@ pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
     }
     for moved in &tracked.references {
         let Some(frame) = document.frames.get_mut(moved.place) else { continue };
-        frame.point(moved.ptz, PtzCamera::new(tracked.base, moved.ptz).lens());
+        let base = frame.base_from(&tracked.base);
+        frame.point(moved.ptz, PtzCamera::new(base, moved.ptz).lens());
         let solution = frame.solution.get_or_insert_default();
-        keep_raw(solution, &tracked.base, moved.raw);
+        keep_raw(solution, &base, moved.raw);
     }
 }
 
@@ -41,7 +42,8 @@ fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
 
 /// Writes the camera that was carried to a frame into it, as a suggestion.
 pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
-    let camera = PtzCamera::new(clip.base, tracked.ptz);
+    let base = frame.base_from(&clip.base);
+    let camera = PtzCamera::new(base, tracked.ptz);
     frame.point(tracked.ptz, camera.lens());
     frame.status = FrameStatus::Suggested;
     // Of a camera that the paint contradicts nobody knows how far it is off.
@@ -71,7 +73,7 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
         solution.warnings.push(SolutionWarning::new(LENGTH_UNSEEN, message));
     }
     if let Some(raw) = tracked.raw {
-        keep_raw(&mut solution, &clip.base, raw);
+        keep_raw(&mut solution, &base, raw);
     }
     frame.solution = Some(solution);
 }

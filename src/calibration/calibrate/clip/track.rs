@@ -5,7 +5,7 @@ use super::certainty::{DIFFER_PX, PaintVerdict, certainty_under_length, confiden
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip, Judged};
-use super::frames::ClipFrames;
+use super::frames::{ClipFrame, ClipFrames};
 use super::options::{TrackClipOptions, WatchClip};
 use super::pictures::ClipPictures;
 use crate::calibrate::size_fit::OpenSize;
@@ -17,7 +17,7 @@ use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{DocumentAt, FieldSize, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::track::{
-    AdjustedClip, Anchor, Carried, CarryStop, Jitter, SmoothOptions, Unsmoothed, carry, smooth,
+    AdjustedClip, Anchor, Carried, CarryStop, ClipCamera, ClipLens, Jitter, SmoothOptions, Unsmoothed, carry, smooth,
 };
 
 /// Where the field is as long as it is taken for, less of a picture's paint lies on no line: at most 0.17 in 568 frames of three
@@ -116,21 +116,22 @@ pub fn track_clip(
     let one = clip.frames.iter().find_map(|frame| frame_at(frame.place?));
     let (base, size) = camera
         .zip(one)
-        .and_then(|(camera, frame)| Some((camera.base_for(frame)?, frame.image_size)))
+        .and_then(|(camera, frame)| Some((camera.base_without_frame_lens(frame)?, frame.image_size)))
         .ok_or_else(|| TrackClipError::NoBase { camera: clip.camera.to_string() })?;
-    let known = anchors(document, clip, field, &base);
+    let camera = ClipCamera::with_lenses(base, known_lenses(at, clip, &base, options));
+    let known = anchors(document, clip, field, &camera);
     if known.is_empty() {
         return Err(TrackClipError::NothingKnown { frames: clip.frames.len() });
     }
     let pictures = ClipPictures { at, clip, size };
     let tracks = pictures.follow_points(reader, options.follow, evidence, watch)?;
-    evidence.with_base(&base);
+    evidence.with_camera(&camera);
     let anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
-    let carried = carry(&base, &tracks, &anchors, &options.carry);
+    let carried = carry(&camera, &tracks, &anchors, &options.carry);
     let spec = document.field_of_camera(&clip.camera);
     let is_size_fitted = *spec.size() == FieldSize::Fitted;
     let fit = ClipFit {
-        base: &base,
+        camera: &camera,
         field,
         tracks: &tracks,
         carried: &carried,
@@ -151,7 +152,10 @@ pub fn track_clip(
     let unseen = open.and_then(|open| UnseenLength::new(open, field, &base, &shown));
 
     let raw: Vec<Option<Ptz>> = adjusted.frames.iter().map(|frame| frame.map(|frame| frame.ptz)).collect();
-    let smoothed = if options.smooth { smoothed(at, clip, &adjusted) } else { raw.clone() };
+    let mut smoothed = if options.smooth { smoothed(at, clip, &adjusted) } else { raw.clone() };
+    for (frame, ptz) in smoothed.iter_mut().enumerate() {
+        *ptz = ptz.map(|ptz| camera.with_known_focal(frame, ptz));
+    }
     let mut tracked = TrackedClip {
         base,
         frames: Vec::new(),
@@ -180,8 +184,10 @@ pub fn track_clip(
             continue;
         }
         let reached = smoothed[frame].zip(adjusted.frames[frame]).and_then(|(ptz, adjusted)| {
-            let camera = PtzCamera::new(base, ptz);
-            Some((camera, Uncertainty::of_known(&camera, with_common(adjusted.covariance, ptz, size), size).ok()?))
+            let is_focal_known = camera.focal_px_at(frame).is_some();
+            let covariance = with_common(adjusted.covariance, ptz, size, is_focal_known);
+            let camera = PtzCamera::new(camera.base_at(frame), ptz);
+            Some((camera, Uncertainty::of_known(&camera, covariance, size).ok()?))
         });
         let Some((camera, uncertainty)) = reached else {
             // A camera that it had before stays.
@@ -214,6 +220,22 @@ pub fn track_clip(
         });
     }
     Ok(tracked)
+}
+
+/// The lenses that the frames of a clip state.
+fn known_lenses(
+    at: DocumentAt<'_>,
+    clip: &ClipFrames,
+    base: &CameraBase,
+    options: &TrackClipOptions,
+) -> Vec<Option<ClipLens>> {
+    let lens_of = |frame: &ClipFrame| {
+        let lens = at.document.frames.get(frame.place?)?.lens.as_ref()?;
+        let CameraBase { principal_point, distortion, .. } = lens.base_with(base);
+        let focal_px = Some(lens.focal_px).filter(|_| !options.seek_focal);
+        Some(ClipLens { principal_point, distortion, focal_px })
+    };
+    clip.frames.iter().map(lens_of).collect()
 }
 
 fn stops(clip: &ClipFrames, carried: &Carried) -> Vec<ClipStop> {

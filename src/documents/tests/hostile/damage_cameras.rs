@@ -16,6 +16,7 @@ pub fn add(damage: &mut Damage) {
         Format::Colmap => colmap(damage),
         Format::OpenCv => opencv(damage),
         Format::OpenTrackIo => opentrackio(damage),
+        Format::Fifa => fifa(damage),
         Format::FreeD => freed(damage),
         Format::FreeDCsv => freed_csv(damage),
         Format::DeepSport => deepsport(damage),
@@ -198,6 +199,34 @@ fn opentrackio(damage: &mut Damage) {
     damage.swap("a-sensor-of-nothing", "{\"width\":9.6", "{\"width\":0");
     damage.swap("a-sensor-too-small-for-numbers", "{\"width\":9.6", "{\"width\":1e-320");
     damage.swap("a-frame-twice", "; 0002", "; 0001");
+}
+
+fn fifa(damage: &mut Damage) {
+    let good = damage.sample.bytes(damage.sample.main()).to_vec();
+    let with = |at: usize, new: &[u8]| {
+        let mut bytes = good.clone();
+        bytes[at..at + new.len()].copy_from_slice(new);
+        bytes
+    };
+    // The table at the end begins with the entry of K; the last 22 bytes say where.
+    let end = good.len() - 22;
+    let table = good.windows(4).position(|window| window == b"PK\x01\x02").unwrap();
+    let name = good.windows(5).position(|window| window == b"K.npy").unwrap();
+    damage.bytes("half-of-it", good[..good.len() / 2].to_vec());
+    damage.bytes("without-its-table", good[..table].to_vec());
+    damage.bytes("without-its-end", good[..end].to_vec());
+    damage.bytes("a-table-beyond-the-end", with(end + 16, &[0xff; 4]));
+    damage.bytes("65535-arrays", with(end + 10, &[0xff; 2]));
+    damage.bytes("no-arrays", with(end + 10, &[0, 0]));
+    damage.bytes("an-array-of-gigabytes", with(table + 24, &[0xff; 4]));
+    damage.bytes("packed-gigabytes", with(table + 20, &[0xff; 4]));
+    damage.bytes("packed-by-another-method", with(table + 10, &[12, 0]));
+    damage.bytes("encrypted", with(table + 8, &[1, 0]));
+    damage.bytes("a-wrong-check-sum", with(table + 16, &[0; 4]));
+    damage.bytes("an-array-beyond-the-end", with(table + 42, &[0xff; 4]));
+    damage.bytes("no-k", with(table + 46, b"L.npy"));
+    damage.bytes("other-numbers", with(name + 5 + 128, &[0xff; 8]));
+    damage.bytes("a-plain-array", good[name + 5..].to_vec());
 }
 
 /// A packet whose checksum is right whatever was done to it.

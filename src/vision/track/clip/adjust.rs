@@ -2,10 +2,11 @@
 //! sightings and anchors at once.
 
 use super::anchor::{Anchor, AnchorSource, by_focal_px, moved, offset};
+use super::camera::ClipCamera;
 use super::problem::{Clip, ClipState, Seen};
 use super::smooth::smoothed_offsets;
 use super::{Carried, PointTracks};
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{PanTilt, Ptz};
 use touchline_core::geometry::{Mat3, Vec3, median};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
@@ -56,18 +57,19 @@ pub struct AdjustedClip {
 /// None if nothing holds the clip: no anchor, or one that has no covariance.
 #[must_use]
 pub fn adjust_clip(
-    base: &CameraBase,
+    camera: &ClipCamera,
     tracks: &PointTracks,
     carried: &Carried,
     anchors: &[Anchor],
     options: &AdjustOptions,
 ) -> Option<AdjustedClip> {
     let mut row_of = vec![None; tracks.frames];
-    let mut start = Vec::new();
+    let (mut start, mut frame_of) = (Vec::new(), Vec::new());
     for (frame, ptz) in carried.ptz.iter().enumerate() {
         if let Some(ptz) = ptz {
             row_of[frame] = Some(start.len());
-            start.push(*ptz);
+            start.push(camera.with_known_focal(frame, *ptz));
+            frame_of.push(frame);
         }
     }
     let points = seen(tracks, &carried.moving, &row_of);
@@ -88,7 +90,8 @@ pub fn adjust_clip(
     let px = tracks.image_size.scale_from_1920();
     let alike = options.sightings_alike.sqrt();
     let mut problem = Clip {
-        base: base.at_origin(),
+        bases: frame_of.iter().map(|frame| camera.base_at(*frame).at_origin()).collect(),
+        known_focal_px: frame_of.iter().map(|frame| camera.focal_px_at(*frame)).collect(),
         points: &points,
         anchors,
         first: &first,
@@ -128,9 +131,9 @@ pub fn adjust_clip(
     }
     let covariances = fine.equations.covariances()?;
     let ptz = if widened > 1.0 { bent(&straight, &fine.state.ptz, &covariances) } else { fine.state.ptz };
-    let frames = row_of.iter().map(|row| {
+    let frames = row_of.iter().enumerate().map(|(frame, row)| {
         let row = (*row)?;
-        let ptz = ptz[row];
+        let ptz = camera.with_known_focal(frame, ptz[row]);
         Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px) })
     });
     Some(AdjustedClip { frames: frames.collect(), sigma_px, widened })
@@ -212,7 +215,7 @@ fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<
 
 /// Where each point lies by the frames that show it.
 fn directions(problem: &Clip<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
-    let cameras: Vec<PtzCamera> = ptz.iter().map(|ptz| PtzCamera::new(problem.base, *ptz)).collect();
+    let cameras = problem.cameras(ptz);
     let of_point = |point: &Seen| {
         let rays = point.sightings.iter().filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
         let sum: Vec3 = rays.map(PanTilt::direction).sum();
@@ -228,6 +231,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64Mcg;
+    use touchline_core::camera::{CameraBase, PtzCamera};
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
     const SIGMA_DEG: f64 = 0.01;
@@ -283,7 +287,8 @@ mod tests {
         };
         let points: Vec<Seen> = directions.iter().map(seen_from).collect();
         let problem = Clip {
-            base,
+            bases: vec![base; 6],
+            known_focal_px: vec![None; 6],
             points: &points,
             anchors: Vec::new(),
             first: &[0; 6],
@@ -326,7 +331,8 @@ mod tests {
         let turn = CLICK_PX / 2000.0;
         let covariance = Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 0.25));
         let anchors = [0, 1, 3, 5].map(|frame| Anchor { frame, ptz: ptz[frame], covariance, by: AnchorSource::Person });
-        let adjusted = adjust_clip(&base, &tracks, &carried, &anchors, &AdjustOptions::default()).unwrap();
+        let adjusted =
+            adjust_clip(&ClipCamera::new(base), &tracks, &carried, &anchors, &AdjustOptions::default()).unwrap();
         let off_px = |frame: usize| {
             let turned = adjusted.frames[frame].unwrap().ptz.pan.turn_from(ptz[frame].pan);
             (turned.degrees().to_radians() * 2000.0).abs()

@@ -5,8 +5,9 @@
 //! moving board, disagrees and is left out from then on.
 
 use super::anchor::{Anchor, moved};
+use super::camera::{ClipCamera, KNOWN_FOCAL_SIGMA};
 use super::{PointTrack, PointTracks};
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeSet;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldElement;
@@ -70,10 +71,10 @@ const SCALES_PX: [f64; 4] = [24.0, 6.0, 2.0, 1.0];
 
 /// Carries the anchors' cameras to all frames that can be reached from them, each from the nearest anchor.
 #[must_use]
-pub fn carry(base: &CameraBase, tracks: &PointTracks, anchors: &[Anchor], options: &CarryOptions) -> Carried {
+pub fn carry(camera: &ClipCamera, tracks: &PointTracks, anchors: &[Anchor], options: &CarryOptions) -> Carried {
     let frames = tracks.frames;
     let mut march = March {
-        base,
+        camera,
         tracks,
         by_frame: tracks.by_frame(),
         px: tracks.image_size.scale_from_1920(),
@@ -81,8 +82,9 @@ pub fn carry(base: &CameraBase, tracks: &PointTracks, anchors: &[Anchor], option
         moving: vec![false; tracks.tracks.len()],
         stops: Vec::new(),
     };
+    let within = anchors.iter().filter(|anchor| anchor.frame < frames);
     let mut known: Vec<(usize, Ptz)> =
-        anchors.iter().filter(|anchor| anchor.frame < frames).map(|anchor| (anchor.frame, anchor.ptz)).collect();
+        within.map(|anchor| (anchor.frame, camera.with_known_focal(anchor.frame, anchor.ptz))).collect();
     known.sort_by_key(|(frame, _)| *frame);
     known.dedup_by_key(|(frame, _)| *frame);
     let mut forth: Vec<Option<(usize, Ptz)>> = vec![None; frames];
@@ -102,7 +104,7 @@ pub fn carry(base: &CameraBase, tracks: &PointTracks, anchors: &[Anchor], option
     for frame in 0..frames {
         let nearer = match (forth[frame], back[frame]) {
             (Some(forth), Some(back)) => {
-                carried.apart_px[frame] = Some(march.apart_px(forth.1, back.1));
+                carried.apart_px[frame] = Some(march.apart_px(frame, forth.1, back.1));
                 if frame - forth.0 <= back.0 - frame { Some(forth.1) } else { Some(back.1) }
             }
             (one, other) => one.or(other).map(|(_, ptz)| ptz),
@@ -120,7 +122,7 @@ pub fn carry(base: &CameraBase, tracks: &PointTracks, anchors: &[Anchor], option
 }
 
 struct March<'a> {
-    base: &'a CameraBase,
+    camera: &'a ClipCamera,
     tracks: &'a PointTracks,
     by_frame: Vec<Vec<(usize, usize)>>,
     /// Px of these frames in a px at 1920 px width.
@@ -182,10 +184,11 @@ impl March<'_> {
         let (moving, still): (Vec<_>, Vec<_>) = known.iter().partition(|it| moved_px(it) > MOVED_PX);
         let [moving, still] =
             [moving, still].map(|some: Vec<(usize, Sighting)>| some.into_iter().map(|(_, it)| it).collect::<Vec<_>>());
-        let turned = self.turned_camera(from, &moving, &still);
+        let from = self.camera.with_known_focal(frame, from);
+        let turned = self.turned_camera(frame, from, &moving, &still);
         let is_turning = turned.is_some();
-        let ptz = turned.unwrap_or_else(|| self.fitted(from, &sightings));
-        let camera = PtzCamera::new(self.base.at_origin(), ptz);
+        let ptz = turned.unwrap_or_else(|| self.fitted(frame, from, &sightings));
+        let camera = self.camera.at_origin(frame, ptz);
         let agrees = |sighting: &Sighting| self.agrees(&camera, sighting);
         let agreeing: Vec<ImagePoint> = sightings.iter().filter(|it| agrees(it)).map(|it| it.image).collect();
         let enough = (self.options.min_share * sightings.len() as f64).max(self.options.min_points as f64);
@@ -210,12 +213,12 @@ impl March<'_> {
     /// while the camera turns, and players always. Shares of points do not tell them apart, because players give many. But the scene is
     /// all over the picture and moves as one, while a graphic lies in a corner and players run each their own way. So the camera turns
     /// if the moving points that agree on one turn and zoom are seen in more parts of the picture than those that stand still.
-    fn turned_camera(&self, from: Ptz, moving: &[Sighting], still: &[Sighting]) -> Option<Ptz> {
+    fn turned_camera(&self, frame: usize, from: Ptz, moving: &[Sighting], still: &[Sighting]) -> Option<Ptz> {
         if moving.len() < self.options.min_points {
             return None;
         }
-        let ptz = self.fitted(from, moving);
-        let camera = PtzCamera::new(self.base.at_origin(), ptz);
+        let ptz = self.fitted(frame, from, moving);
+        let camera = self.camera.at_origin(frame, ptz);
         let agreeing = moving.iter().filter(|sighting| self.agrees(&camera, sighting));
         (self.parts_of_picture(agreeing) > self.parts_of_picture(still.iter())).then_some(ptz)
     }
@@ -235,18 +238,20 @@ impl March<'_> {
     }
 
     /// The camera that most points agree with.
-    fn fitted(&self, from: Ptz, sightings: &[Sighting]) -> Ptz {
-        let start = self.turned(from, sightings);
+    fn fitted(&self, frame: usize, from: Ptz, sightings: &[Sighting]) -> Ptz {
+        let start = self.turned(frame, from, sightings);
+        let (base, known_focal) =
+            (self.camera.base_at(frame).at_origin(), self.camera.focal_px_at(frame).map(KnownFocal));
         SCALES_PX.into_iter().fold(start, |ptz, scale_px| {
-            let problem = OneFrame { base: self.base, sightings, loss: Loss::Cauchy { c: scale_px } };
+            let problem = OneFrame { base: &base, known_focal, sightings, loss: Loss::Cauchy { c: scale_px } };
             let until = Stopping { max_iterations: 12, short_step: 1e-8, small_gain: 1e-7 };
-            minimise(&problem, ptz, until).state
+            self.camera.with_known_focal(frame, minimise(&problem, ptz, until).state)
         })
     }
 
     /// A start for a frame's camera: turned as the points moved in the middle.
-    fn turned(&self, from: Ptz, sightings: &[Sighting]) -> Ptz {
-        let camera = PtzCamera::new(self.base.at_origin(), from);
+    fn turned(&self, frame: usize, from: Ptz, sightings: &[Sighting]) -> Ptz {
+        let camera = self.camera.at_origin(frame, from);
         let off: Vec<Vec2> = sightings.iter().filter_map(|sighting| sighting.value(&camera)).collect();
         let along = |axis: usize| median(&mut off.iter().map(|by| by[axis]).collect::<Vec<_>>()).unwrap_or(0.0);
         // The residual is predicted minus seen: the camera turns towards where points came from.
@@ -269,7 +274,7 @@ impl March<'_> {
 
     /// What a frame says about the directions of its points, those of some tracks (in rising order) left out.
     fn learn(&self, directions: &mut [Direction], frame: usize, ptz: Ptz, except: &[usize]) {
-        let camera = PtzCamera::new(self.base.at_origin(), ptz);
+        let camera = self.camera.at_origin(frame, ptz);
         for &seen in self.by_frame[frame].iter().filter(|(track, _)| except.binary_search(track).is_err()) {
             let direction = &mut directions[seen.0];
             let at = self.point(seen);
@@ -282,9 +287,9 @@ impl March<'_> {
         }
     }
 
-    /// How far apart two cameras' pictures are, px in the mean over the corners and the middle.
-    fn apart_px(&self, one: Ptz, other: Ptz) -> f64 {
-        let [one, other] = [one, other].map(|ptz| PtzCamera::new(self.base.at_origin(), ptz));
+    /// How far apart two cameras' pictures of a frame are, px in the mean over the corners and the middle.
+    fn apart_px(&self, frame: usize, one: Ptz, other: Ptz) -> f64 {
+        let [one, other] = [one, other].map(|ptz| self.camera.at_origin(frame, ptz));
         let size = self.tracks.image_size;
         let places = size.corners().into_iter().chain([size.centre()]);
         let apart = |at: ImagePoint| Some(other.image_from_ray(one.ray_from_image(at).ok()?).ok()?.distance_px(at));
@@ -295,7 +300,9 @@ impl March<'_> {
 
 /// A frame's own three numbers.
 struct OneFrame<'a> {
+    /// At the origin.
     base: &'a CameraBase,
+    known_focal: Option<KnownFocal>,
     sightings: &'a [Sighting],
     loss: Loss,
 }
@@ -305,8 +312,11 @@ impl Problem for OneFrame<'_> {
     type Equations = BlockEquations<0, 3>;
 
     fn equations(&self, at: &Ptz) -> BlockEquations<0, 3> {
-        let camera = PtzCamera::new(self.base.at_origin(), *at);
+        let camera = PtzCamera::new(*self.base, *at);
         let mut equations = BlockEquations::zero();
+        if let Some(known) = &self.known_focal {
+            equations.add(known, &camera, Loss::Squared);
+        }
         for sighting in self.sightings {
             equations.add(sighting, &camera, self.loss);
         }
@@ -315,6 +325,31 @@ impl Problem for OneFrame<'_> {
 
     fn stepped(&self, from: &Ptz, step: &Vec3) -> Ptz {
         moved(*from, *step)
+    }
+}
+
+/// A focal length that is known, px: as a measurement that outweighs all points.
+#[derive(Clone, Copy)]
+struct KnownFocal(f64);
+
+impl Residual<1, 0, 3> for KnownFocal {
+    type State = PtzCamera;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        KNOWN_FOCAL_SIGMA
+    }
+
+    fn value(&self, at: &PtzCamera) -> Option<SVector<f64, 1>> {
+        Some(SVector::<f64, 1>::new((at.ptz().focal_px / self.0).ln()))
+    }
+
+    fn linearised(&self, at: &PtzCamera) -> Option<Linearised<1, 0, 3>> {
+        let by_own = SMatrix::<f64, 1, 3>::new(0.0, 0.0, 1.0);
+        Some(Linearised { value: self.value(at)?, by_shared: SMatrix::zeros(), by_own })
     }
 }
 
@@ -354,8 +389,8 @@ impl Residual<2, 0, 3> for Sighting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::track::AnchorSource;
-    use touchline_core::camera::BaseAngles;
+    use crate::track::{AdjustOptions, AnchorSource, ClipLens, adjust_clip};
+    use touchline_core::camera::{BaseAngles, FocalCurve};
     use touchline_core::geometry::{ImageSize, Mat3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -412,7 +447,7 @@ mod tests {
         let tracks = PointTracks { image_size: SIZE, frames: FRAMES, tracks };
         let known =
             Anchor { frame: 0, ptz: pointed(0, pan_deg), covariance: Mat3::identity(), by: AnchorSource::Person };
-        let carried = carry(&base(), &tracks, &[known], &CarryOptions::default());
+        let carried = carry(&ClipCamera::new(base()), &tracks, &[known], &CarryOptions::default());
         assert_eq!(carried.stops, [], "every frame is reached");
         let off = |(frame, ptz): (usize, &Option<Ptz>)| {
             ptz.unwrap().pan.turn_from(pointed(frame, pan_deg).pan).degrees().abs()
@@ -433,6 +468,48 @@ mod tests {
             let tracks = [scene(pan_deg), graphic(), players(60)].concat();
             let off_deg = carry_off_deg(tracks, pan_deg);
             assert!(off_deg < 0.03, "{pan_deg}: {off_deg}");
+        }
+    }
+
+    /// A zoom in a clip, with the lens that each frame has.
+    fn zooming() -> (ClipCamera, Vec<Ptz>) {
+        let focal_px = |frame: usize| 2400.0 * 1.004_f64.powi(frame as i32);
+        let lens = |frame: usize| ClipLens {
+            principal_point: ImagePoint::new(960.0 + 0.4 * frame as f64, 530.0),
+            distortion: FocalCurve { k2_per_k1_squared: 20.0, ..FocalCurve::constant(0.1 + 0.003 * frame as f64) },
+            focal_px: Some(focal_px(frame)),
+        };
+        let lenses = (0..FRAMES).map(|frame| Some(lens(frame))).collect();
+        let ptz = |frame: usize| Ptz::from_degrees(0.1 * frame as f64, -12.0 + 0.02 * frame as f64, focal_px(frame));
+        (ClipCamera::with_lenses(base(), lenses), (0..FRAMES).map(ptz).collect())
+    }
+
+    #[test]
+    fn known_lenses_are_kept_and_pan_and_tilt_found_under_them() {
+        let (camera, truth) = zooming();
+        let starts = (0..15).flat_map(|column| (0..12).map(move |row| (column, row)));
+        let seen = |(column, row): (u32, u32)| {
+            let at = ImagePoint::new(60.0 + 128.0 * f64::from(column), 40.0 + 90.0 * f64::from(row));
+            let ray = camera.at_origin(0, truth[0]).ray_from_image(at).unwrap();
+            let points = truth.iter().enumerate();
+            let points =
+                points.map(|(frame, ptz)| camera.at_origin(frame, *ptz).image_from_ray(ray).unwrap()).collect();
+            PointTrack { first: 0, points }
+        };
+        let tracks = PointTracks { image_size: SIZE, frames: FRAMES, tracks: starts.map(seen).collect() };
+        let sigma = 1e-6;
+        let covariance = Mat3::from_diagonal(&Vec3::new(sigma, sigma, 1.0).map(|sigma| sigma * sigma));
+        let known = Anchor { frame: 0, ptz: truth[0], covariance, by: AnchorSource::Person };
+        let carried = carry(&camera, &tracks, &[known], &CarryOptions::default());
+        let adjusted = adjust_clip(&camera, &tracks, &carried, &[known], &AdjustOptions::default()).unwrap();
+        for (frame, truth) in truth.iter().enumerate() {
+            let (carried, adjusted) = (carried.ptz[frame].unwrap(), adjusted.frames[frame].unwrap());
+            for ptz in [carried, adjusted.ptz] {
+                assert_eq!(ptz.focal_px, truth.focal_px, "frame {frame}");
+                let off_deg = (ptz.pan - truth.pan).degrees().hypot((ptz.tilt - truth.tilt).degrees());
+                assert!(off_deg < 1e-6, "frame {frame}: {off_deg}");
+            }
+            assert!(adjusted.covariance[(2, 2)].sqrt() < 0.01, "{}", adjusted.covariance);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The least-squares problem of a clip: every point is one direction, seen by all frames that show it.
 
 use super::anchor::{Anchor, moved};
+use super::camera::KNOWN_FOCAL_SIGMA;
 use super::equations::{ClipEquations, ClipStep, PointEquations};
 use nalgebra::{Matrix2x3, Matrix3x2};
 use rayon::prelude::*;
@@ -15,11 +16,13 @@ pub(super) struct Seen {
 
 /// The problem; a row is a frame that takes part.
 pub(super) struct Clip<'a> {
-    /// The camera at the origin, so that it sees directions in `base`.
-    pub base: CameraBase,
+    /// The camera of each row at the origin, so that it sees directions in `base`.
+    pub bases: Vec<CameraBase>,
     pub points: &'a [Seen],
     /// The anchors with their rows and the inverse of their covariances.
     pub anchors: Vec<(usize, Anchor, Mat3)>,
+    /// The focal length of each row where it is known, px.
+    pub known_focal_px: Vec<Option<f64>>,
     /// The first column of each row.
     pub first: &'a [usize],
     /// 1-σ of a followed point in each row, px.
@@ -42,9 +45,14 @@ pub(super) fn across(direction: Vec3) -> Matrix3x2<f64> {
 }
 
 impl Clip<'_> {
+    /// The camera of each row.
+    pub fn cameras(&self, ptz: &[Ptz]) -> Vec<PtzCamera> {
+        self.bases.iter().zip(ptz).map(|(base, ptz)| PtzCamera::new(*base, *ptz)).collect()
+    }
+
     /// The distance of each sighting from where the state puts it, px, in the points' order; none beyond the lens.
     pub fn residuals<'s>(&'s self, at: &'s ClipState) -> impl Iterator<Item = (usize, Option<Vec2>)> + 's {
-        let cameras: Vec<PtzCamera> = at.ptz.iter().map(|ptz| PtzCamera::new(self.base, *ptz)).collect();
+        let cameras = self.cameras(&at.ptz);
         self.points.iter().zip(&at.directions).flat_map(move |(point, direction)| {
             let off = |(row, image): &(usize, ImagePoint)| {
                 let here = cameras[*row].image_from_direction_jacobian(*direction).ok();
@@ -78,7 +86,7 @@ impl Problem for Clip<'_> {
     type Equations = ClipEquations;
 
     fn equations(&self, at: &ClipState) -> ClipEquations {
-        let cameras: Vec<PtzCamera> = at.ptz.iter().map(|ptz| PtzCamera::new(self.base, *ptz)).collect();
+        let cameras = self.cameras(&at.ptz);
         let points: Vec<PointEquations> = self
             .points
             .par_iter()
@@ -88,6 +96,13 @@ impl Problem for Clip<'_> {
         let mut equations = ClipEquations::new(self.first.to_vec(), points);
         for (row, anchor, information) in &self.anchors {
             equations.add_anchor(*row, &anchor.offset(at.ptz[*row]), information, anchor.loss());
+        }
+        // A focal length that is known is one more measurement, which outweighs all points and has no loss to escape by.
+        let information = Mat3::from_diagonal(&Vec3::new(0.0, 0.0, KNOWN_FOCAL_SIGMA.powi(-2)));
+        for (row, known_px) in self.known_focal_px.iter().enumerate() {
+            let Some(known_px) = known_px else { continue };
+            let offset = Vec3::new(0.0, 0.0, (at.ptz[row].focal_px / known_px).ln());
+            equations.add_anchor(row, &offset, &information, Loss::Squared);
         }
         equations
     }
