@@ -14,7 +14,7 @@ use touchline_calibration::pipelines::{TrackedFrames, TrackingEvent, TrackingOpt
 use touchline_core::geometry::counted;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document};
-use touchline_vision::media::FrameReader;
+use touchline_vision::media::{FrameReader, FrameRef};
 
 /// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip together.
 #[derive(clap::Args, Debug)]
@@ -161,9 +161,14 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress, count: usize
 
 /// A clip by its first and its last picture.
 fn name_of(clip: &ClipFrames) -> String {
-    match (clip.frames.first(), clip.frames.last()) {
-        (Some(first), Some(last)) => format!("{} to {}", first.source, last.source),
-        _ => "a clip without frames".to_owned(),
+    let file_name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let (Some(first), Some(last)) = (clip.frames.first(), clip.frames.last()) else { return String::new() };
+    match (&first.source, &last.source) {
+        (FrameRef::Video { path, index }, FrameRef::Video { index: last, .. }) => {
+            format!("{} frames {index} to {last}", file_name(path))
+        }
+        (FrameRef::Image(first), FrameRef::Image(last)) => format!("{} to {}", file_name(first), file_name(last)),
+        (first, last) => format!("{first} to {last}"),
     }
 }
 

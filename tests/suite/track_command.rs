@@ -9,7 +9,7 @@ use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command};
 use touchline::camera::Ptz;
 use touchline::document::{
-    Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
+    Camera, Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
     document_to_string,
 };
 use touchline::field::{Landmark, LandmarkId};
@@ -151,6 +151,38 @@ fn the_lines_of_a_whole_clip_refine_a_base_of_which_one_frame_is_known() {
     let refined = document(&folder.join("refined.json"));
     let worst = (0..truth.frames.len()).map(|frame| worst_px(&refined, &truth, frame)).fold(0.0, f64::max);
     assert!(worst < 3.0, "{worst} px");
+}
+
+#[test]
+fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let drawn = document(&folder.join("project.json"));
+    let mut asked = document(&folder.join("ask.json"));
+    let camera = asked.cameras[0].id.clone();
+    *asked.camera_mut(&camera).unwrap() = Camera::new(camera.clone(), asked.frames[0].image_size);
+    for (at, frame) in asked.frames.iter_mut().enumerate() {
+        (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
+        frame.clip = Some(Clip::Number(1));
+        if at == 0 {
+            frame.clicks.clone_from(&drawn.frames[0].clicks);
+        }
+    }
+    assert!(asked.frames[0].clicks.len() >= 4);
+    write(&folder.join("clicked.json"), &asked);
+    let ran = touchline(&folder, "track clicked.json -o plain.json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("has no base yet"), "{}", ran.stderr);
+
+    let ran = touchline(&folder, "track clicked.json --refine-base -o refined.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(ran.stderr.contains("main: the base is refined on"), "{}", ran.stderr);
+    let refined = document(&folder.join("refined.json"));
+    let worst = (0..truth.frames.len()).map(|frame| worst_px(&refined, &truth, frame)).fold(0.0, f64::max);
+    assert!(worst < 3.0, "{worst} px");
+    let confidence = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence);
+    assert!(refined.frames.iter().skip(1).all(|frame| confidence(frame).unwrap() > 0.9));
 }
 
 #[test]
