@@ -15,7 +15,7 @@ use super::{Chord, Command, TrainerStatus, VideoAction};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 use std::path::PathBuf;
 use touchline_calibration::calibrate::{BulkProgress, BulkSolved, EstimatedBase};
-use touchline_calibration::proposals::{CarriedProposal, FoundMask, Proposal, UsedFeatures};
+use touchline_calibration::proposals::{CarriedProposal, Proposal, UsedFeatures};
 use touchline_core::camera::Ptz;
 use touchline_core::field::{FieldError, Symmetry, Template};
 use touchline_core::geometry::{ImagePoint, PixelBox};
@@ -162,13 +162,6 @@ pub enum Action {
         ticket: u64,
         /// The clicks for which that is certain, or why nobody could look.
         found: Result<Vec<(usize, SnappedPoint)>, SnapFailure>,
-    },
-    /// What the search for burned-in graphics found in the document in this file.
-    BurntIn {
-        /// The document's file.
-        file: PathBuf,
-        /// The graphics, outside the masks that there are.
-        found: Vec<FoundMask>,
     },
 
     /// A number begins to change; the name is the undo step's.

@@ -101,7 +101,6 @@ impl Action {
             Self::Video(_)
             | Self::Proposals(_)
             | Self::CarriedProposals(_)
-            | Self::BurntIn { .. }
             | Self::SnapProgress { .. }
             | Self::Snapped { .. }
             | Self::PointsSnapped { .. }

@@ -5,7 +5,7 @@ use super::operation::Job;
 use super::paint_orders::{PointSnapOrder, SnapOrder};
 use super::session::Question;
 use super::transfer::TransferOrder;
-use super::{BurntInSearch, ShotSearch, TrainerOrder};
+use super::{ShotSearch, TrainerOrder};
 use std::path::PathBuf;
 use touchline_documents::document::{CameraId, Document, Edit, History};
 
@@ -114,8 +114,6 @@ pub enum Effect {
     FindShots(Box<ShotSearch>),
     /// Give up that search.
     CancelShots,
-    /// Look for burned-in graphics and report `Action::BurntIn`.
-    FindBurntIn(Box<BurntInSearch>),
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `Action::CameraLoaded`.

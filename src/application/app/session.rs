@@ -17,7 +17,6 @@ use super::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use touchline_calibration::proposals::FoundMask;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Frame, FrameId, RejectReason, Shared};
@@ -100,8 +99,6 @@ pub struct Session {
     pub snap_tickets: u64,
     /// The cameras of frames before they were snapped.
     pub before_snap: BTreeMap<FrameId, PtzCamera>,
-    /// Graphics that look burned into the pictures, until somebody decides about them.
-    pub burnt_in: Vec<FoundMask>,
     /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
     pub doubted: Option<Doubted>,
     /// What is done with the video of the shown frame.

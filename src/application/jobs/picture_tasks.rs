@@ -5,10 +5,10 @@ use super::shared_pictures::SharedReader;
 use super::tasks::new_folder;
 use crate::app::base::EstimateFailure;
 use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
-use crate::app::{Action, BurntInSearch, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
+use crate::app::{Action, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
 use std::ops::ControlFlow;
 use touchline_calibration::calibrate::{EstimatedBase, estimate_on_paint};
-use touchline_calibration::proposals::{FeatureStore, WorkFolder, read_picture};
+use touchline_calibration::proposals::read_picture;
 use touchline_core::solve::base::{BaseOptions, WatchBase};
 use touchline_documents::document::{CameraId, DocumentAt, Frame};
 use touchline_vision::media::FrameReader;
@@ -16,19 +16,6 @@ use touchline_vision::paint::WatchFind;
 
 /// Progress is told each time this many frames have been looked at.
 const PROGRESS_EVERY: usize = 25;
-
-/// Looks for graphics that are burned into the pictures; nothing is found where `watch`, asked after each, ends it.
-pub(super) fn burnt_in(
-    search: &BurntInSearch,
-    pictures: SharedPictures,
-    watch: &(dyn Fn() -> ControlFlow<()> + Sync),
-) -> Action {
-    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
-    // The trainer looks at some of the same pictures.
-    let store = FeatureStore::on_disk(&WorkFolder::beside(&search.file));
-    let found = search.look(&mut reader, &store, watch).unwrap_or_default();
-    Action::BurntIn { file: search.file.clone(), found }
-}
 
 /// Looks for the cuts of a video. The window goes first: while the picture that it shows is being decoded this waits.
 pub(super) fn shots_found(

@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{base_with_paint, burnt_in, points_snapped, shots_found, snapped, transferred};
+use super::picture_tasks::{base_with_paint, points_snapped, shots_found, snapped, transferred};
 use super::tasks::{camera_with_base, estimate, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -43,8 +43,6 @@ enum Kind {
     Estimate,
     /// It works a change out; the change's ticket.
     Bulk(u64),
-    /// It looks for burned-in graphics.
-    BurntIn,
     /// It looks for cuts; the search's ticket.
     Shots(u64),
     /// It snaps a frame; the order's ticket.
@@ -176,13 +174,6 @@ impl Runner {
                 });
             }
             Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
-            Effect::FindBurntIn(search) => {
-                self.give_up(|kind| kind == Kind::BurntIn);
-                let pictures = self.pictures.clone();
-                self.begin("burned-in graphics", Kind::BurntIn, move |watch| {
-                    Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
-                });
-            }
             Effect::FindShots(search) => {
                 self.give_up(|kind| matches!(kind, Kind::Shots(_)));
                 let pictures = self.pictures.clone();
@@ -293,7 +284,7 @@ impl Runner {
                             ticket,
                             result: Err(format!("Internal error (please report it): {message}")),
                         }),
-                        Kind::Opening | Kind::BurntIn | Kind::Beside | Kind::Other => {
+                        Kind::Opening | Kind::Beside | Kind::Other => {
                             Action::Failed(format!("internal error (please report it): {message}"))
                         }
                     }),

@@ -1,8 +1,10 @@
 //! Masks in the application: graphics that look burned in are found and asked about; masks by hand get their frames.
 
 use crate::bench::{Bench, SIZE};
+use touchline_application::app::operation::Report;
+use touchline_application::app::operations::BurntInSearch;
 use touchline_application::app::session::{Level, SidePanel};
-use touchline_application::app::{Action, App, Command, MaskList, MaskScope};
+use touchline_application::app::{Action, App, Command, MaskList, MaskScope, Opened, Settings};
 use touchline_calibration::proposals::FoundMask;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{
@@ -31,18 +33,33 @@ fn ranged(app: &App) -> Vec<(Option<u64>, Option<u64>, MaskSource)> {
     document.cameras[0].ranged_masks.iter().map(|mask| (mask.from, mask.to, mask.source)).collect()
 }
 
+#[cfg(feature = "opencv")]
 fn found(from: Option<u64>, to: Option<u64>) -> FoundMask {
     let mask = RangedMask { pixel_box: BUG, from, to, source: MaskSource::Found, extra: Extra::new() };
     FoundMask { camera: "main".into(), mask, frames: [0, 4], features: 40 }
 }
 
+#[cfg(feature = "opencv")]
 fn bench_with_found() -> Bench {
-    let mut bench = Bench::new(video());
-    let file = bench.app.open().unwrap().file.clone();
-    bench.act(Action::BurntIn { file, found: vec![found(None, Some(499))] });
+    let mut bench = opened(video());
+    bench.report_end::<BurntInSearch>(Ok(vec![found(None, Some(499))]));
     bench
 }
 
+#[cfg(feature = "opencv")]
+/// A document with what opening it started.
+fn opened(document: Document) -> Bench {
+    let mut bench = Bench { app: App::new(Settings::default()), effects: Vec::new() };
+    open(&mut bench, document);
+    bench
+}
+
+#[cfg(feature = "opencv")]
+fn open(bench: &mut Bench, document: Document) {
+    bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
+}
+
+#[cfg(feature = "opencv")]
 #[test]
 fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     let mut bench = bench_with_found();
@@ -63,6 +80,7 @@ fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     assert_eq!(ranged(&bench.app).len(), 1);
 }
 
+#[cfg(feature = "opencv")]
 #[test]
 fn change_keeps_them_and_opens_the_masks() {
     let mut bench = bench_with_found();
@@ -73,6 +91,7 @@ fn change_keeps_them_and_opens_the_masks() {
     assert!(ranged(&bench.app).is_empty());
 }
 
+#[cfg(feature = "opencv")]
 #[test]
 fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     let mut bench = bench_with_found();
@@ -81,9 +100,11 @@ fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     assert!(bench.app.asked_masks().is_empty());
     assert!(bench.app.why_not(Command::KeepBurntIn).is_none(), "the menu still offers it");
     bench.command(Command::KeepBurntIn);
-    let file = bench.app.open().unwrap().file.clone();
-    bench.act(Action::BurntIn { file, found: vec![found(None, None)] });
-    bench.act(Action::BurntIn { file: "/another/project.json".into(), found: vec![found(None, None)] });
+    let before = bench.started::<BurntInSearch>().id();
+    let document = (*bench.app.open().unwrap().document).clone();
+    open(&mut bench, document);
+    bench.report_end::<BurntInSearch>(Ok(vec![found(None, None)]));
+    bench.act(Action::Report(Report::of_end::<BurntInSearch>(before, Ok(vec![found(None, None)]))));
     assert!(bench.app.session.notices.is_empty(), "{:?}", bench.app.session.notices);
 }
 

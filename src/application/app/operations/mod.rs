@@ -2,6 +2,7 @@
 //!
 //! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it.
 
+mod burnt_in;
 pub mod camera_search;
 mod camera_watch;
 mod clip_tracking;
@@ -9,6 +10,7 @@ pub mod comparison;
 mod line_check;
 mod picture_check;
 
+pub use burnt_in::BurntInSearch;
 pub use camera_search::CameraSearch;
 pub use camera_watch::CameraWatch;
 pub use clip_tracking::ClipTracking;
@@ -18,6 +20,7 @@ pub use line_check::PaintSays;
 use super::Command;
 #[cfg(test)]
 use super::operation::probe::ProbeState;
+use burnt_in::BurntInState;
 use camera_search::CameraSearchState;
 use camera_watch::CameraWatchState;
 use clip_tracking::ClipTrackingState;
@@ -28,6 +31,8 @@ use picture_check::PictureComparisonState;
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
 #[derive(Debug, Default)]
 pub struct Operations {
+    /// The search for graphics that are burned into the pictures.
+    pub(in crate::app) burnt_in: BurntInState,
     /// The search for a camera by pictures alone.
     pub camera_search: CameraSearchState,
     /// Whether the shown frame's camera fits all of its frames.

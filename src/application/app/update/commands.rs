@@ -91,9 +91,7 @@ impl App {
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is confirmed already.")
             }
-            C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
-                Some("There are no burned-in graphics to decide about.")
-            }
+            C::KeepBurntIn | C::ChangeBurntIn => self.why_not_decide_burnt_in(),
             C::Accept | C::AcceptAndStay if self.session.masks => Some("Masks are being drawn: Esc ends that first."),
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::AssignToCamera

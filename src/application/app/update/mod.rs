@@ -156,7 +156,6 @@ impl App {
             Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
             Action::Snapped { ticket, result } => self.snapped(ticket, result),
             Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
-            Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),
             Action::EditCamera(camera) => self.edit_camera(*camera),
