@@ -373,8 +373,9 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How far the search for cuts has come; a click stops it.
 fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(search) = &panel.app.session.video.search else { return };
-    let share = 100 * search.progress.done / search.progress.of.max(1);
+    let state = &panel.app.operations.shot_search;
+    let Some(search) = state.running() else { return };
+    let share = state.progress().percent();
     let says =
         ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(ui.palette().weak)).frame(false));
     let tip = format!("Looking for cuts in {}. Click to stop.", file_name(&search.video));

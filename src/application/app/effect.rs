@@ -5,7 +5,7 @@ use super::operation::Job;
 use super::paint_orders::{PointSnapOrder, SnapOrder};
 use super::session::Question;
 use super::transfer::TransferOrder;
-use super::{ShotSearch, TrainerOrder};
+use super::TrainerOrder;
 use std::path::PathBuf;
 use touchline_documents::document::{CameraId, Document, Edit, History};
 
@@ -110,10 +110,6 @@ pub enum Effect {
     CancelSnap,
     /// Look where the landmarks of clicks are painted and report `Action::PointsSnapped`.
     SnapPoints(Box<PointSnapOrder>),
-    /// Look for the cuts of a video and report `VideoAction::ShotsFound`.
-    FindShots(Box<ShotSearch>),
-    /// Give up that search.
-    CancelShots,
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `Action::CameraLoaded`.

@@ -42,7 +42,6 @@ pub mod selection;
 mod sentence;
 pub mod session;
 pub mod settings;
-mod shot_search;
 mod shown;
 pub mod synonyms;
 pub mod tour;
@@ -71,7 +70,6 @@ pub use paint_orders::{PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};
-pub use shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch};
 pub use shown::Shown;
 pub use trainer::{
     Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference, describe_left,
@@ -115,8 +113,6 @@ pub struct App {
     bulk_tickets: u64,
     /// A tour begins once the demo is open.
     tour_waits: bool,
-    /// How many searches for cuts there were.
-    shot_tickets: u64,
     /// The last request of an operation.
     last_request: RequestId,
     /// Results that wait for the end of what the user is doing.

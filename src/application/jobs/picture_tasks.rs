@@ -5,7 +5,7 @@ use super::shared_pictures::SharedReader;
 use super::tasks::new_folder;
 use crate::app::base::EstimateFailure;
 use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
-use crate::app::{Action, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
+use crate::app::{Action, PointSnapOrder, SnapOrder};
 use std::ops::ControlFlow;
 use touchline_calibration::calibrate::{EstimatedBase, estimate_on_paint};
 use touchline_calibration::proposals::read_picture;
@@ -13,26 +13,6 @@ use touchline_core::solve::base::{BaseOptions, WatchBase};
 use touchline_documents::document::{CameraId, DocumentAt, Frame};
 use touchline_vision::media::FrameReader;
 use touchline_vision::paint::WatchFind;
-
-/// Progress is told each time this many frames have been looked at.
-const PROGRESS_EVERY: usize = 25;
-
-/// Looks for the cuts of a video. The window goes first: while the picture that it shows is being decoded this waits.
-pub(super) fn shots_found(
-    search: &ShotSearch,
-    pictures: &SharedPictures,
-    tell: &dyn Fn(Action) -> ControlFlow<()>,
-) -> Action {
-    let ticket = search.ticket;
-    let found = search.look(&mut FrameReader::new(), &|progress| {
-        pictures.wait_for_window();
-        if progress.done.is_multiple_of(PROGRESS_EVERY) {
-            return tell(Action::Video(VideoAction::ShotProgress { ticket, progress }));
-        }
-        ControlFlow::Continue(())
-    });
-    Action::Video(VideoAction::ShotsFound { ticket, found })
-}
 
 /// Estimates a camera's base, and its field's size if that is wanted, from clicks and painted lines. `looked_at` is told how many
 /// pictures have been looked at.

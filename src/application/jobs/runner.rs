@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{base_with_paint, points_snapped, shots_found, snapped, transferred};
+use super::picture_tasks::{base_with_paint, points_snapped, snapped, transferred};
 use super::tasks::{camera_with_base, estimate, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -11,7 +11,7 @@ use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
-use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction};
+use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, SnapFailure};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -43,8 +43,6 @@ enum Kind {
     Estimate,
     /// It works a change out; the change's ticket.
     Bulk(u64),
-    /// It looks for cuts; the search's ticket.
-    Shots(u64),
     /// It snaps a frame; the order's ticket.
     Snap(u64),
     /// It looks where clicks are painted; the order's ticket.
@@ -174,14 +172,6 @@ impl Runner {
                 });
             }
             Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
-            Effect::FindShots(search) => {
-                self.give_up(|kind| matches!(kind, Kind::Shots(_)));
-                let pictures = self.pictures.clone();
-                self.begin("shots", Kind::Shots(search.ticket), move |watch| {
-                    Ok(Outcome::Action(shots_found(&search, &pictures, &|action| watch.tell(action))))
-                });
-            }
-            Effect::CancelShots => self.give_up(|kind| matches!(kind, Kind::Shots(_))),
             Effect::Snap(order) => {
                 let pictures = self.pictures.clone();
                 self.begin("snap", Kind::Snap(order.ticket), move |watch| {
@@ -270,10 +260,6 @@ impl Runner {
                         Kind::Bulk(ticket) => {
                             Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
                         }
-                        Kind::Shots(ticket) => Action::Video(VideoAction::ShotsFound {
-                            ticket,
-                            found: Err(ShotFailure::Panicked { message }),
-                        }),
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
                         }

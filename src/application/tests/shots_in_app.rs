@@ -1,8 +1,10 @@
 //! Shots of a video in the application: found when it is imported, changed cut by cut, each change one step of undo.
 #![cfg(feature = "opencv")]
 
+use touchline_application::app::operation::{Failure, Job, Operation, Report};
+use touchline_application::app::operations::{BurntInSearch, FoundShots, ShotSearch};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Command, Effect, FoundShots, Opened, Settings, ShotSearch, VideoAction};
+use touchline_application::app::{Action, App, Command, Effect, Opened, Settings, VideoAction};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame};
 use touchline_vision::media::MediaError;
@@ -21,21 +23,31 @@ fn document() -> Document {
 }
 
 /// An application on a document, and the search for cuts that it asked for.
-fn opened(document: Document) -> (App, Option<ShotSearch>) {
+fn opened(document: Document) -> (App, Option<Job>) {
     let mut app = App::new(Settings::default());
     let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-    let search = effects.into_iter().find_map(|effect| match effect {
-        Effect::FindShots(search) => Some(*search),
-        _ => None,
-    });
+    let search = started::<ShotSearch>(&effects);
     (app, search)
+}
+
+/// The request of an operation among effects.
+fn started<O: Operation>(effects: &[Effect]) -> Option<Job> {
+    effects.iter().find_map(|effect| match effect {
+        Effect::Start(job) if job.name() == O::NAME => Some(job.clone()),
+        _ => None,
+    })
+}
+
+/// A search has ended like this.
+fn ended(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
+    Action::Report(Report::of_end::<ShotSearch>(search.id(), result.map_err(Failure::Failed)))
 }
 
 /// The same with two cuts found, the second one a fade.
 fn with_shots() -> App {
     let (mut app, search) = opened(document());
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Fade)] };
-    app.update(Action::Video(VideoAction::ShotsFound { ticket: search.unwrap().ticket, found: Ok(found) }));
+    app.update(ended(&search.unwrap(), Ok(found)));
     app
 }
 
@@ -55,9 +67,10 @@ fn undo(app: &mut App) {
 #[test]
 fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
     let (app, search) = opened(document());
-    let search = search.unwrap();
+    assert!(search.is_some());
+    let search = app.operations.shot_search.running().unwrap();
     assert_eq!((search.video.as_str(), search.path.as_path()), ("match.mp4", std::path::Path::new("/match/match.mp4")));
-    assert!(app.session.video.search.is_some() && app.shots().is_none());
+    assert!(app.operations.shot_search.running().is_some() && app.shots().is_none());
     let mut labelled = document();
     labelled.frames[3].status = FrameStatus::Reference;
     assert_eq!(opened(labelled).1, None, "somebody has worked here: nothing is changed unasked");
@@ -67,12 +80,13 @@ fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
 
 #[test]
 fn shots_are_marked_in_one_step_once_a_drag_is_over() {
-    let (mut app, search) = opened(document());
-    let ticket = search.unwrap().ticket;
+    let mut app = App::new(Settings::default());
+    let effects = app.update(Action::Opened(Box::new(Opened::new(document(), "/match/project.json"))));
+    let [search, other] = [started::<ShotSearch>(&effects), started::<BurntInSearch>(&effects)].map(Option::unwrap);
     app.update(Action::BeginEdit("Pan"));
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
-    app.update(Action::Video(VideoAction::ShotsFound { ticket: ticket + 1, found: Ok(found.clone()) }));
-    app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    app.update(ended(&other, Ok(FoundShots { last: FRAMES - 1, cuts: vec![(12, ShotKind::Cut)] })));
+    app.update(ended(&search, Ok(found)));
     assert_eq!((starts(&app), &app.session.mode), (vec![], &Mode::Editing));
     app.update(Action::EndEdit);
     assert_eq!(starts(&app), [0, 10]);
@@ -87,9 +101,9 @@ fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
         [(MediaError::Missing { path: "match.mp4".into() }, 1), (MediaError::Stopped { path: "match.mp4".into() }, 0)]
     {
         let (mut app, search) = opened(document());
-        app.update(Action::Video(VideoAction::ShotsFound { ticket: search.unwrap().ticket, found: Err(error.into()) }));
+        app.update(ended(&search.unwrap(), Err(error)));
         assert_eq!(app.session.notices.len(), notices);
-        assert!(app.session.video.search.is_none());
+        assert!(app.operations.shot_search.running().is_none());
     }
 }
 
@@ -169,8 +183,7 @@ fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
     app.update(Action::SetComment("undone".to_owned()));
     app.update(Action::Command(Command::Undo));
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
-    let ticket = search.unwrap().ticket;
-    let effects = app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    let effects = app.update(ended(&search.unwrap(), Ok(found)));
     assert_eq!(starts(&app), [0, 10]);
     let whole = effects.iter().find_map(|effect| match effect {
         Effect::JournalWhole { document, history, .. } => Some((document, history)),

@@ -143,7 +143,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
         if let Some(cut) = cut {
             ui.label(egui::RichText::new(described(cut.kind)).color(ui.palette().weak));
         }
-        if app.shots().is_none() && app.session.video.search.is_none() {
+        if app.shots().is_none() && app.operations.shot_search.running().is_none() {
             ui.label(egui::RichText::new("Right-click: cuts").color(ui.palette().weak));
         }
     });

@@ -98,7 +98,6 @@ impl App {
             | C::NewCameraFromChange
             | C::ConfirmFieldSize
             | C::FitFieldSize
-            | C::FindShots
             | C::AddCut
             | C::MoveCutHere
             | C::RemoveCut
@@ -106,12 +105,12 @@ impl App {
             {
                 Some("The document is read-only.")
             }
-            C::NextShot | C::PreviousShot | C::FindShots | C::AddCut | C::MoveCutHere | C::RemoveCut
+            C::NextShot | C::PreviousShot | C::AddCut | C::MoveCutHere | C::RemoveCut
                 if self.frame().is_some_and(|frame| frame.video.is_none()) =>
             {
                 Some("This frame does not come from a video.")
             }
-            C::StopShotSearch if self.session.video.search.is_none() => Some("No search for cuts is running."),
+            C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
             C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
@@ -211,8 +210,7 @@ impl App {
             C::PlayPause => self.toggle_playing(),
             C::NextShot => self.go_to_shot(true),
             C::PreviousShot => self.go_to_shot(false),
-            C::FindShots => self.find_shots(),
-            C::StopShotSearch => self.stop_shot_search(),
+            C::FindShots | C::StopShotSearch => self.shot_search_command(command),
             C::AddCut => self.add_cut(),
             C::MoveCutHere => self.move_cut_here(),
             C::RemoveCut => self.remove_cut(),

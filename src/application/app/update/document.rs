@@ -38,7 +38,6 @@ impl App {
         self.effects.push(Effect::CancelBulk);
         self.effects.push(Effect::CancelSnap);
         self.effects.push(Effect::CancelTransfer);
-        self.stop_shot_search();
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();

@@ -94,7 +94,6 @@ impl App {
         self.deliver_waiting_reports();
         self.decide_camera_by_click();
         self.finish_bulk();
-        self.finish_shot_search();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
         self.refresh_accept_sheet();
@@ -283,7 +282,7 @@ impl App {
     }
 
     /// Whether nothing can be changed; says so.
-    pub(super) fn refuses_changes(&mut self) -> bool {
+    pub(in crate::app) fn refuses_changes(&mut self) -> bool {
         let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else { return false };
         let text = format!("Nothing can be changed here: {reason}");
         self.session.notify(Level::Warning, text);
@@ -323,7 +322,7 @@ impl App {
     }
 
     /// Gives the saver the document with its history in place of what it knows.
-    fn journal_whole(&mut self) {
+    pub(in crate::app) fn journal_whole(&mut self) {
         let Some(open) = &self.open else { return };
         let document = Box::new(open.journalled.shown().clone());
         let history = Box::new(open.history.committed());
@@ -331,7 +330,7 @@ impl App {
     }
 
     /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
-    fn journal(&mut self, name: &str, kind: EditKind) {
+    pub(in crate::app) fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
         if let Some(edit) = open.take_edit(name, kind) {
             if !matches!(self.session.saving, Saving::Failed { .. }) {

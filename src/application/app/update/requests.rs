@@ -26,12 +26,17 @@ impl App {
         }
     }
 
+    /// Whether a step of undo is open, as during a drag.
+    pub(in crate::app) fn is_amid_step(&self) -> bool {
+        self.open.as_ref().is_none_or(|open| open.history.is_open())
+    }
+
     /// Whether the user is in the middle of a change, as of a drag, or one is being worked out: results that change the
     /// document wait for its end.
     pub(in crate::app) fn is_amid_change(&self) -> bool {
         self.session.mode != Mode::Idle
             || self.session.bulk.is_some()
-            || self.open.as_ref().is_none_or(|open| open.history.is_open())
+            || self.is_amid_step()
     }
 }
 
