@@ -21,7 +21,6 @@ use touchline_core::field::{FieldError, Symmetry, Template};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 use touchline_documents::document::{Camera, CameraId, FieldSpec, RejectReason, Target};
 use touchline_documents::store::{Orphan, OrphanEdits, Outside};
-use touchline_vision::paint::SnappedPoint;
 
 /// What changes state; sent by the window, the jobs and the tests.
 #[derive(Debug, PartialEq)]
@@ -155,13 +154,6 @@ pub enum Action {
         ticket: u64,
         /// The camera.
         result: Result<Box<SnappedFrame>, SnapFailure>,
-    },
-    /// Where the landmarks of clicks are painted near by.
-    PointsSnapped {
-        /// Which order.
-        ticket: u64,
-        /// The clicks for which that is certain, or why nobody could look.
-        found: Result<Vec<(usize, SnappedPoint)>, SnapFailure>,
     },
 
     /// A number begins to change; the name is the undo step's.

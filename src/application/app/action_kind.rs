@@ -103,7 +103,6 @@ impl Action {
             | Self::CarriedProposals(_)
             | Self::SnapProgress { .. }
             | Self::Snapped { .. }
-            | Self::PointsSnapped { .. }
             | Self::Trainer(_)
             | Self::Features(_)
             | Self::BaseProgress(_)

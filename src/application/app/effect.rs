@@ -2,7 +2,7 @@
 
 use super::bulk::BulkOrder;
 use super::operation::Job;
-use super::paint_orders::{PointSnapOrder, SnapOrder};
+use super::paint_orders::SnapOrder;
 use super::session::Question;
 use super::transfer::TransferOrder;
 use super::TrainerOrder;
@@ -108,8 +108,6 @@ pub enum Effect {
     Snap(Box<SnapOrder>),
     /// Nobody waits any more for a snap or a search.
     CancelSnap,
-    /// Look where the landmarks of clicks are painted and report `Action::PointsSnapped`.
-    SnapPoints(Box<PointSnapOrder>),
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `Action::CameraLoaded`.

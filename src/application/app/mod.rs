@@ -31,7 +31,6 @@ pub mod operations;
 mod paint_orders;
 pub mod place;
 pub mod playing;
-mod point_snaps;
 mod prepared;
 mod progress;
 pub mod quality;
@@ -66,7 +65,7 @@ pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;
 pub use opened::{Opened, OutsideChoice};
 pub use operations::PaintSays;
-pub use paint_orders::{PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
+pub use paint_orders::{SnapFailure, SnapOrder, SnappedFrame};
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};
@@ -81,7 +80,6 @@ pub use video::VideoAction;
 use current::FreshSolve;
 use operation::{Report, RequestId};
 use operations::Operations;
-use point_snaps::PointSnaps;
 use quality::Quality;
 use review::{AcceptSheet, Review};
 use session::Session;
@@ -108,7 +106,6 @@ pub struct App {
     quality: Quality,
     /// Tells the time of what people do; none: it is not written down.
     clock: Option<fn() -> jiff::Timestamp>,
-    point_snaps: PointSnaps,
     /// How many changes have been worked out in the background.
     bulk_tickets: u64,
     /// A tour begins once the demo is open.

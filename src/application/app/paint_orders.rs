@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
-use touchline_calibration::calibrate::{OnPaintError, SnapFrameError, camera_on_paint, snap_clicks};
+use touchline_calibration::calibrate::{OnPaintError, SnapFrameError, camera_on_paint};
 use touchline_calibration::proposals::{PictureError, read_picture};
-use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::Document;
 use touchline_vision::media::ReadFrames;
-use touchline_vision::paint::{FindOptions, Snapped, SnappedPoint, WatchFind};
+use touchline_vision::paint::{FindOptions, Snapped, WatchFind};
 
 /// A frame's camera is to be pulled onto the painted lines, or found by them.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,36 +69,5 @@ impl SnapOrder {
         let how = (&FindOptions::default(), self.from_nothing);
         let (base, snapped) = camera_on_paint(&self.document, frame, &self.field, &picture, how, watch)?;
         Ok(Box::new(SnappedFrame { base, snapped }))
-    }
-}
-
-/// Clicks of a frame are to be moved onto the paint.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointSnapOrder {
-    /// Which order: the report says it again.
-    pub ticket: u64,
-    /// The document.
-    pub document: Document,
-    /// Where its relative paths start.
-    pub folder: PathBuf,
-    /// The frame's place.
-    pub frame: usize,
-    /// The field that it shows.
-    pub field: Arc<FieldModel>,
-    /// About how the frame's camera is pointed.
-    pub camera: PtzCamera,
-    /// Which of its clicks.
-    pub clicks: Vec<usize>,
-}
-
-impl PointSnapOrder {
-    /// The clicks whose landmark is certainly painted near by, and where.
-    ///
-    /// # Errors
-    /// The picture cannot be had.
-    pub fn carry_out(&self, reader: &mut dyn ReadFrames) -> Result<Vec<(usize, SnappedPoint)>, SnapFailure> {
-        let Some(frame) = self.document.frames.get(self.frame) else { return Ok(Vec::new()) };
-        let picture = read_picture(reader, frame, &self.folder)?;
-        Ok(snap_clicks(&self.document, frame, &self.field, &self.camera, &picture, &self.clicks))
     }
 }

@@ -5,7 +5,7 @@ use super::shared_pictures::SharedReader;
 use super::tasks::new_folder;
 use crate::app::base::EstimateFailure;
 use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
-use crate::app::{Action, PointSnapOrder, SnapOrder};
+use crate::app::{Action, SnapOrder};
 use std::ops::ControlFlow;
 use touchline_calibration::calibrate::{EstimatedBase, estimate_on_paint};
 use touchline_calibration::proposals::read_picture;
@@ -60,10 +60,4 @@ pub(super) fn transferred(
             watch(Action::Transfer(TransferAction::Progress { ticket, done, of }))
         }),
     )
-}
-
-/// Looks where the landmarks of clicks are painted.
-pub(super) fn points_snapped(order: &PointSnapOrder, pictures: SharedPictures) -> Action {
-    let found = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures));
-    Action::PointsSnapped { ticket: order.ticket, found }
 }

@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{base_with_paint, points_snapped, snapped, transferred};
+use super::picture_tasks::{base_with_paint, snapped, transferred};
 use super::tasks::{camera_with_base, estimate, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -45,8 +45,6 @@ enum Kind {
     Bulk(u64),
     /// It snaps a frame; the order's ticket.
     Snap(u64),
-    /// It looks where clicks are painted; the order's ticket.
-    SnapPoints(u64),
     /// It exports or imports; the order's ticket.
     Transfer(u64),
     /// It reads what concerns the open document alone.
@@ -182,12 +180,6 @@ impl Runner {
                 });
             }
             Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
-            Effect::SnapPoints(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("snap points", Kind::SnapPoints(order.ticket), move |_| {
-                    Ok(Outcome::Action(points_snapped(&order, pictures)))
-                });
-            }
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -262,9 +254,6 @@ impl Runner {
                         }
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
-                        }
-                        Kind::SnapPoints(ticket) => {
-                            Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }
                         }
                         Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
                             ticket,

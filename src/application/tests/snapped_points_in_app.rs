@@ -2,7 +2,8 @@
 
 use crate::bench::{Bench, base, landmark_in};
 use crate::proposed::blank;
-use touchline_application::app::{Action, Command, Effect, PointSnapOrder};
+use touchline_application::app::operations::PointSnap;
+use touchline_application::app::{Action, Command, Effect};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_documents::document::{Click, Target};
@@ -23,26 +24,24 @@ impl Bench {
     }
 
     /// The orders to look for points on the paint, so far.
-    fn point_orders(&self) -> Vec<&PointSnapOrder> {
-        let mut orders = Vec::new();
-        for effect in &self.effects {
-            if let Effect::SnapPoints(order) = effect {
-                orders.push(&**order);
-            }
-        }
-        orders
+    fn point_orders(&self) -> Vec<&PointSnap> {
+        let orders = self.effects.iter().filter_map(|effect| match effect {
+            Effect::Start(job) => job.operation::<PointSnap>(),
+            _ => None,
+        });
+        orders.collect()
     }
 
     /// Reports that the clicks of the last order are painted where the truth has them.
     fn report(&mut self) {
-        let order = (*self.point_orders().last().unwrap()).clone();
-        let frame = &order.document.frames[order.frame];
+        let order = self.started::<PointSnap>();
+        let PointSnap { frame, clicks, .. } = order.operation().unwrap();
         let snapped = |click: &usize| {
             let landmark = frame.clicks[*click].target.as_ref().unwrap().as_str();
             (*click, SnappedPoint { image: landmark_in(&pointed(), landmark), sigma_px: 0.4 })
         };
-        let found = order.clicks.iter().map(snapped).collect();
-        self.act(Action::PointsSnapped { ticket: order.ticket, found: Ok(found) });
+        let found = clicks.iter().map(snapped).collect();
+        self.report_end::<PointSnap>(Ok(found));
     }
 
     fn points(&self) -> &[Click] {

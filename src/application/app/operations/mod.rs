@@ -9,6 +9,7 @@ mod clip_tracking;
 pub mod comparison;
 mod line_check;
 mod picture_check;
+mod point_snap;
 pub mod shot_search;
 
 pub use burnt_in::BurntInSearch;
@@ -17,6 +18,7 @@ pub use camera_watch::CameraWatch;
 pub use clip_tracking::ClipTracking;
 pub use comparison::{Compared, Comparison};
 pub use line_check::PaintSays;
+pub use point_snap::PointSnap;
 pub use shot_search::{FoundShots, ShotProgress, ShotSearch};
 
 use super::Command;
@@ -29,6 +31,7 @@ use clip_tracking::ClipTrackingState;
 use comparison::ComparisonState;
 use line_check::LineChecks;
 use picture_check::PictureComparisonState;
+use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
 
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
@@ -48,6 +51,8 @@ pub struct Operations {
     pub(in crate::app) line_checks: LineChecks,
     /// Whether the pictures are those that the document means.
     pub(in crate::app) picture_comparison: PictureComparisonState,
+    /// Points that go to the paint that they name.
+    pub(in crate::app) point_snap: PointSnapState,
     /// The search for the cuts of a video.
     pub shot_search: ShotSearchState,
     #[cfg(test)]

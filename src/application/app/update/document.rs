@@ -73,7 +73,6 @@ impl App {
         self.current = Current::default();
         self.review = super::Review::default();
         self.quality = super::Quality::default();
-        self.point_snaps = self.point_snaps.for_another();
         self.session.unticked.clear();
         self.begin_waiting_tour();
         self.offer_tour();

@@ -17,7 +17,6 @@ mod numbers;
 mod outside;
 mod paint;
 mod playing;
-mod points;
 mod proposals;
 mod quality;
 mod requests;
@@ -154,7 +153,6 @@ impl App {
             Action::RemoveMask { list, index } => self.remove_mask(list, index),
             Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
             Action::Snapped { ticket, result } => self.snapped(ticket, result),
-            Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),
             Action::EditCamera(camera) => self.edit_camera(*camera),
@@ -341,13 +339,13 @@ impl App {
     }
 
     /// The shown frame, to change it within a step.
-    fn frame_mut(&mut self) -> Option<&mut Frame> {
+    pub(in crate::app) fn frame_mut(&mut self) -> Option<&mut Frame> {
         let index = self.session.frame;
         self.open.as_mut()?.document.frames.get_mut(index).map(|frame| &mut **frame)
     }
 
     /// Solves the shown frame anew after its clicks changed, within a step.
-    fn clicks_changed(&mut self) {
+    pub(in crate::app) fn clicks_changed(&mut self) {
         let index = self.session.frame;
         let Some(open) = &mut self.open else { return };
         let result = solve_in_place(open, index);
