@@ -3,6 +3,8 @@
 use crate::headless::Headless;
 use crate::program::touchline;
 use touchline::app::guidance::next_step;
+use touchline::app::operation::Report;
+use touchline::app::operations::FrameSnap;
 use touchline::app::session::Level;
 use touchline::app::{Action, App, Command};
 use touchline::calibrate::check_values;
@@ -82,7 +84,7 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let solution = frame(&headless.app).solution.as_ref().unwrap();
     assert!(solution.worst_corner_sigma_px.is_some_and(|px| px < 5.0) && solution.covariance.is_some());
     headless.act(Action::Hold(Command::Snap, true));
-    assert!(headless.app.session.held.before_snap && headless.app.session.snapping.is_none());
+    assert!(headless.app.session.held.before_snap && headless.app.operations.frame_snap.running().is_none());
     assert_eq!(Some(headless.app.before_snap().unwrap().ptz()), before.as_ref().map(FramePtz::ptz));
     headless.act(Action::Hold(Command::Snap, false));
     assert!(!headless.app.session.held.before_snap);
@@ -121,10 +123,11 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     let searching = next_step(&headless.app);
     assert!(searching.text.starts_with("Searching the painted lines of "), "{searching:?}");
     assert_eq!(searching.offers, [("Stop", Command::StopSearch)]);
-    headless.act(Action::SnapProgress { ticket: headless.app.session.snap_tickets, share: 0.4 });
+    let request = headless.app.operations.frame_snap.running().unwrap().id();
+    headless.act(Action::Report(Report::of_progress::<FrameSnap>(request, 0.4)));
     assert!(next_step(&headless.app).text.ends_with(": 40 %…"), "{:?}", next_step(&headless.app));
     headless.act(Action::Command(Command::StopSearch));
-    assert!(headless.app.session.snapping.is_none() && headless.app.why_not(Command::StopSearch).is_some());
+    assert!(headless.app.operations.frame_snap.running().is_none() && headless.app.why_not(Command::StopSearch).is_some());
     headless.act(Action::Command(Command::SearchLines));
     assert_eq!(next_step(&headless.app).offers, searching.offers, "another search");
     let refused = "No camera found: the picture shows 0 px of painted lines";

@@ -6,7 +6,6 @@ use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAx
 use super::guide::GuidePage;
 use super::opened::{Opened, OutsideChoice};
 use super::operation::Report;
-use super::paint_orders::{SnapFailure, SnappedFrame};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::settings::{Loupe, ThemeChoice};
@@ -140,20 +139,6 @@ pub enum Action {
         list: MaskList,
         /// Which, from 0.
         index: usize,
-    },
-    /// How far the search of the painted lines has come.
-    SnapProgress {
-        /// Which order.
-        ticket: u64,
-        /// From 0 to 1.
-        share: f64,
-    },
-    /// A frame's camera was pulled onto the painted lines, or why it was not.
-    Snapped {
-        /// Which order.
-        ticket: u64,
-        /// The camera.
-        result: Result<Box<SnappedFrame>, SnapFailure>,
     },
 
     /// A number begins to change; the name is the undo step's.

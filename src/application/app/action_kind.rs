@@ -101,8 +101,6 @@ impl Action {
             Self::Video(_)
             | Self::Proposals(_)
             | Self::CarriedProposals(_)
-            | Self::SnapProgress { .. }
-            | Self::Snapped { .. }
             | Self::Trainer(_)
             | Self::Features(_)
             | Self::BaseProgress(_)

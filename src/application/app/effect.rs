@@ -2,7 +2,6 @@
 
 use super::bulk::BulkOrder;
 use super::operation::Job;
-use super::paint_orders::SnapOrder;
 use super::session::Question;
 use super::transfer::TransferOrder;
 use super::TrainerOrder;
@@ -103,11 +102,6 @@ pub enum Effect {
     SolveBulk(Box<BulkOrder>),
     /// Give up the change that is being worked out.
     CancelBulk,
-    /// Pull a frame's camera onto the painted lines, or search it by them; report `Action::SnapProgress` on the way and
-    /// `Action::Snapped` in the end.
-    Snap(Box<SnapOrder>),
-    /// Nobody waits any more for a snap or a search.
-    CancelSnap,
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `Action::CameraLoaded`.

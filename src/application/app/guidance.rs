@@ -2,7 +2,7 @@
 
 use super::base::BaseWork;
 use super::progress::{ALL_DONE, missing_references};
-use super::session::{Mode, Snapping, reason_label};
+use super::session::{Mode, reason_label};
 use super::{App, Command};
 use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE};
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};
@@ -45,11 +45,6 @@ pub fn next_step(app: &App) -> Guidance {
     }
     if let Some(under_way) = app.operations.under_way().filter(|_| app.session.mode == Mode::Idle) {
         return Guidance::say(under_way.text).offer("Stop", under_way.stop);
-    }
-    if let Some(searching) = app.session.snapping.as_ref().and_then(Snapping::describe)
-        && app.session.mode == Mode::Idle
-    {
-        return Guidance::say(searching).offer("Stop", Command::StopSearch);
     }
     if app.session.quality.open {
         let key = app.settings.keys.shown(Command::QualityPage);

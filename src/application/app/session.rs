@@ -15,11 +15,10 @@ use super::transfer::Transfer;
 use super::video::VideoState;
 use super::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{Frame, FrameId, RejectReason, Shared};
+use touchline_documents::document::{FrameId, RejectReason};
 use touchline_documents::store::Orphan;
 
 /// What the window shows and what has been begun.
@@ -93,12 +92,6 @@ pub struct Session {
     pub orphans: Vec<Orphan>,
     /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
     pub fit_scale: f64,
-    /// The frame whose camera is being pulled onto the painted lines.
-    pub snapping: Option<Snapping>,
-    /// How many snaps have been asked for.
-    pub snap_tickets: u64,
-    /// The cameras of frames before they were snapped.
-    pub before_snap: BTreeMap<FrameId, PtzCamera>,
     /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
     pub doubted: Option<Doubted>,
     /// What is done with the video of the shown frame.
@@ -108,28 +101,6 @@ pub struct Session {
     /// What was chosen for exports and imports, and what is under way.
     pub transfer: Transfer,
     next_notice: u64,
-}
-
-/// A frame whose camera is being pulled onto the painted lines.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Snapping {
-    /// Which order.
-    pub ticket: u64,
-    /// The frame as it was then.
-    pub frame: Shared<Frame>,
-    /// Whether its camera is searched by the lines alone.
-    pub from_nothing: bool,
-    /// How far a search has come, from 0 to 1; none before it says so.
-    pub progress: Option<f64>,
-}
-
-impl Snapping {
-    /// What is being searched for, in one sentence; none for a snap, which is over at once.
-    #[must_use]
-    pub fn describe(&self) -> Option<String> {
-        let far = self.progress.map(|share| format!(": {:.0} %", 100.0 * share)).unwrap_or_default();
-        self.from_nothing.then(|| format!("Searching the painted lines of {}{far}…", self.frame.name()))
-    }
 }
 
 /// A frame that was to be accepted although its verdict is wrong.

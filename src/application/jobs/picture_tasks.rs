@@ -5,14 +5,13 @@ use super::shared_pictures::SharedReader;
 use super::tasks::new_folder;
 use crate::app::base::EstimateFailure;
 use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
-use crate::app::{Action, SnapOrder};
+use crate::app::Action;
 use std::ops::ControlFlow;
 use touchline_calibration::calibrate::{EstimatedBase, estimate_on_paint};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::solve::base::{BaseOptions, WatchBase};
 use touchline_documents::document::{CameraId, DocumentAt, Frame};
 use touchline_vision::media::FrameReader;
-use touchline_vision::paint::WatchFind;
 
 /// Estimates a camera's base, and its field's size if that is wanted, from clicks and painted lines. `looked_at` is told how many
 /// pictures have been looked at.
@@ -32,12 +31,6 @@ pub(super) fn base_with_paint(
     };
     let found = estimate_on_paint(document, camera, &BaseOptions::default(), with_size, &mut pictures, watch)?;
     Ok(Box::new(found.with_pulled_frames(document, &mut pictures)?))
-}
-
-/// Pulls a frame's camera onto the painted lines, or finds it by them; `watch` is told how far a search has come.
-pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures, watch: WatchFind<'_>) -> Action {
-    let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
-    Action::Snapped { ticket: order.ticket, result }
 }
 
 /// Exports or imports; `watch` is told how far it has come.

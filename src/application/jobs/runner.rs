@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{base_with_paint, snapped, transferred};
+use super::picture_tasks::{base_with_paint, transferred};
 use super::tasks::{camera_with_base, estimate, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -11,7 +11,7 @@ use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
-use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, SnapFailure};
+use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -43,8 +43,6 @@ enum Kind {
     Estimate,
     /// It works a change out; the change's ticket.
     Bulk(u64),
-    /// It snaps a frame; the order's ticket.
-    Snap(u64),
     /// It exports or imports; the order's ticket.
     Transfer(u64),
     /// It reads what concerns the open document alone.
@@ -170,16 +168,6 @@ impl Runner {
                 });
             }
             Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
-            Effect::Snap(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("snap", Kind::Snap(order.ticket), move |watch| {
-                    let ticket = order.ticket;
-                    Ok(Outcome::Action(snapped(&order, pictures, &|share| {
-                        watch.tell(Action::SnapProgress { ticket, share })
-                    })))
-                });
-            }
-            Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -251,9 +239,6 @@ impl Runner {
                         Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
                         Kind::Bulk(ticket) => {
                             Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
-                        }
-                        Kind::Snap(ticket) => {
-                            Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
                         }
                         Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
                             ticket,

@@ -7,6 +7,7 @@ pub mod camera_search;
 mod camera_watch;
 mod clip_tracking;
 pub mod comparison;
+pub mod frame_snap;
 mod line_check;
 mod picture_check;
 mod point_snap;
@@ -17,6 +18,7 @@ pub use camera_search::CameraSearch;
 pub use camera_watch::CameraWatch;
 pub use clip_tracking::ClipTracking;
 pub use comparison::{Compared, Comparison};
+pub use frame_snap::FrameSnap;
 pub use line_check::PaintSays;
 pub use point_snap::PointSnap;
 pub use shot_search::{FoundShots, ShotProgress, ShotSearch};
@@ -29,6 +31,7 @@ use camera_search::CameraSearchState;
 use camera_watch::CameraWatchState;
 use clip_tracking::ClipTrackingState;
 use comparison::ComparisonState;
+use frame_snap::FrameSnapState;
 use line_check::LineChecks;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
@@ -47,6 +50,8 @@ pub struct Operations {
     pub(in crate::app) clip_tracking: ClipTrackingState,
     /// The comparison with another annotator's document.
     pub comparison: ComparisonState,
+    /// Frames aligned to the painted lines.
+    pub frame_snap: FrameSnapState,
     /// What the painted lines say about the frames' cameras.
     pub(in crate::app) line_checks: LineChecks,
     /// Whether the pictures are those that the document means.
@@ -74,6 +79,9 @@ impl Operations {
     /// What the status row says is under way.
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
-        self.camera_search.under_way().or_else(|| self.clip_tracking.under_way())
+        self.camera_search
+            .under_way()
+            .or_else(|| self.clip_tracking.under_way())
+            .or_else(|| self.frame_snap.under_way())
     }
 }

@@ -118,14 +118,10 @@ impl App {
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
-            C::Snap => self.why_not_snap(),
+            C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.why_not_camera_search(command)
-            }
-            C::SearchLines => self.why_not_search_lines(),
-            C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
-                Some("No lines are being searched.")
             }
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
             _ => None,
@@ -144,7 +140,7 @@ impl App {
         self.open.as_ref().is_some_and(|open| open.history.next_redo().is_some())
     }
 
-    pub(super) fn command(&mut self, command: Command) {
+    pub(in crate::app) fn command(&mut self, command: Command) {
         use Command as C;
         if let Some(reason) = self.why_not(command) {
             self.session.notify(Level::Info, reason);
@@ -244,10 +240,8 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
-            C::Snap => self.snap(false),
+            C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
             C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
-            C::SearchLines => self.snap(true),
-            C::StopSearch => self.stop_search(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),

@@ -36,19 +36,16 @@ impl App {
     pub(super) fn opened(&mut self, opened: Opened) {
         self.effects.push(Effect::CancelEstimate);
         self.effects.push(Effect::CancelBulk);
-        self.effects.push(Effect::CancelSnap);
         self.effects.push(Effect::CancelTransfer);
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
-        let snap_tickets = self.session.snap_tickets;
         let transfer_tickets = self.session.transfer.tickets;
         let told = std::mem::take(&mut self.session.told);
         self.session = Session::default();
         self.session.told = told;
         self.session.trainer = trainer;
         // A report of the document before is passed over.
-        self.session.snap_tickets = snap_tickets;
         self.session.transfer.tickets = transfer_tickets;
         self.session.panel = panel;
         for (level, text) in &opened.notices {

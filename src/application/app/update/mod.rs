@@ -15,7 +15,6 @@ mod masks;
 mod naming;
 mod numbers;
 mod outside;
-mod paint;
 mod playing;
 mod proposals;
 mod quality;
@@ -27,6 +26,7 @@ mod sport;
 mod tour;
 mod trainer;
 mod transfer;
+mod verdict;
 
 pub use commands::MAX_SCALE;
 
@@ -151,8 +151,6 @@ impl App {
             Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
             Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
             Action::RemoveMask { list, index } => self.remove_mask(list, index),
-            Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
-            Action::Snapped { ticket, result } => self.snapped(ticket, result),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),
             Action::EditCamera(camera) => self.edit_camera(*camera),
