@@ -1,7 +1,6 @@
 //! Actions, which change state.
 
 use super::base::{EstimateFailure, EstimateProgress};
-use super::bulk::BulkFailure;
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::guide::GuidePage;
 use super::opened::{Opened, OutsideChoice};
@@ -13,7 +12,7 @@ use super::transfer::TransferAction;
 use super::{Chord, Command, TrainerStatus, VideoAction};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 use std::path::PathBuf;
-use touchline_calibration::calibrate::{BulkProgress, BulkSolved, EstimatedBase};
+use touchline_calibration::calibrate::EstimatedBase;
 use touchline_calibration::proposals::{CarriedProposal, Proposal, UsedFeatures};
 use touchline_core::camera::Ptz;
 use touchline_core::field::{FieldError, Symmetry, Template};
@@ -217,20 +216,6 @@ pub enum Action {
     BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
     /// Something is exported or imported.
     Transfer(TransferAction),
-    /// How many frames a change in the background has solved again.
-    BulkProgress {
-        /// Which change.
-        ticket: u64,
-        /// How far it has come.
-        progress: BulkProgress,
-    },
-    /// A change was worked out in the background.
-    BulkSolved {
-        /// Which change.
-        ticket: u64,
-        /// The change, or why there is none.
-        solved: Result<Box<BulkSolved>, BulkFailure>,
-    },
     /// A frame takes part in the estimation of its camera's base, or is left out.
     UseForBase {
         /// Which frame.

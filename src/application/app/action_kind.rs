@@ -107,8 +107,6 @@ impl Action {
             | Self::BaseEstimated(_)
             | Self::Report(_)
             | Self::Transfer(_)
-            | Self::BulkProgress { .. }
-            | Self::BulkSolved { .. }
             | Self::Compare(_)
             | Self::Answer(..)
             | Self::Open(_)

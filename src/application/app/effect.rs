@@ -1,6 +1,5 @@
 //! Effects, which the outside carries out.
 
-use super::bulk::BulkOrder;
 use super::operation::Job;
 use super::session::Question;
 use super::transfer::TransferOrder;
@@ -98,10 +97,6 @@ pub enum Effect {
     CancelEstimate,
     /// Run an operation and pass on what it reports as `Action::Report`.
     Start(Job),
-    /// Work a change out, report `Action::BulkProgress` on the way and `Action::BulkSolved` in the end.
-    SolveBulk(Box<BulkOrder>),
-    /// Give up the change that is being worked out.
-    CancelBulk,
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `Action::CameraLoaded`.

@@ -40,9 +40,6 @@ pub fn next_step(app: &App) -> Guidance {
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
-    if let Some(work) = app.session.bulk.as_ref().filter(|_| app.session.mode == Mode::Idle) {
-        return Guidance::say(work.describe()).offer("Stop", Command::StopSolving);
-    }
     if let Some(under_way) = app.operations.under_way().filter(|_| app.session.mode == Mode::Idle) {
         return Guidance::say(under_way.text).offer("Stop", under_way.stop);
     }

@@ -7,7 +7,6 @@
 mod action;
 mod action_kind;
 pub mod base;
-mod bulk;
 pub mod camera_text;
 mod choices;
 mod command;
@@ -52,7 +51,6 @@ pub mod where_to_label;
 
 pub use action::Action;
 pub use action_kind::ActionKind;
-pub use bulk::{BulkFailure, BulkOrder, BulkWork};
 pub use choices::{CameraChoice, MaskList, MaskScope};
 pub use command::Command;
 pub use command_kind::CommandKind;
@@ -104,8 +102,6 @@ pub struct App {
     quality: Quality,
     /// Tells the time of what people do; none: it is not written down.
     clock: Option<fn() -> jiff::Timestamp>,
-    /// How many changes have been worked out in the background.
-    bulk_tickets: u64,
     /// A tour begins once the demo is open.
     tour_waits: bool,
     /// The last request of an operation.

@@ -6,7 +6,6 @@ pub use super::mode::{Mode, Naming, OFFERED};
 pub use super::notice::{Level, Notice, in_row};
 
 use super::base::BaseWork;
-use super::bulk::BulkWork;
 use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
@@ -74,8 +73,6 @@ pub struct Session {
     pub save_requests: u64,
     /// What is being done about the camera's base.
     pub base: BaseWork,
-    /// A change after which many frames are solved again, while it is worked out.
-    pub bulk: Option<BulkWork>,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
     /// A document is being read.

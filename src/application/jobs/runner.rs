@@ -11,7 +11,7 @@ use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
-use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question};
+use crate::app::{Action, Effect, Question};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -41,8 +41,6 @@ enum Kind {
     Opening,
     /// It estimates a base.
     Estimate,
-    /// It works a change out; the change's ticket.
-    Bulk(u64),
     /// It exports or imports; the order's ticket.
     Transfer(u64),
     /// It reads what concerns the open document alone.
@@ -159,15 +157,6 @@ impl Runner {
                 });
             }
             Effect::CancelEstimate => self.give_up(|kind| kind == Kind::Estimate),
-            Effect::SolveBulk(order) => {
-                let BulkOrder { ticket, work } = *order;
-                self.begin("solving", Kind::Bulk(ticket), move |watch| {
-                    let solved = work.run(&|progress| watch.tell(Action::BulkProgress { ticket, progress }));
-                    let solved = solved.map(Box::new).map_err(BulkFailure::Impossible);
-                    Ok(Outcome::Action(Action::BulkSolved { ticket, solved }))
-                });
-            }
-            Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -237,9 +226,6 @@ impl Runner {
                     BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
                     BackgroundReport::Panicked(message) => actions.push(match task.kind {
                         Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
-                        Kind::Bulk(ticket) => {
-                            Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
-                        }
                         Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
                             ticket,
                             result: Err(format!("Internal error (please report it): {message}")),

@@ -2,6 +2,7 @@
 //!
 //! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it.
 
+pub mod bulk_solve;
 mod burnt_in;
 pub mod camera_search;
 mod camera_watch;
@@ -13,6 +14,7 @@ mod picture_check;
 mod point_snap;
 pub mod shot_search;
 
+pub use bulk_solve::BulkSolving;
 pub use burnt_in::BurntInSearch;
 pub use camera_search::CameraSearch;
 pub use camera_watch::CameraWatch;
@@ -26,6 +28,7 @@ pub use shot_search::{FoundShots, ShotProgress, ShotSearch};
 use super::Command;
 #[cfg(test)]
 use super::operation::probe::ProbeState;
+use bulk_solve::BulkSolveState;
 use burnt_in::BurntInState;
 use camera_search::CameraSearchState;
 use camera_watch::CameraWatchState;
@@ -40,6 +43,8 @@ use shot_search::ShotSearchState;
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
 #[derive(Debug, Default)]
 pub struct Operations {
+    /// A change after which many frames are solved again.
+    pub bulk_solve: BulkSolveState,
     /// The search for graphics that are burned into the pictures.
     pub(in crate::app) burnt_in: BurntInState,
     /// The search for a camera by pictures alone.
@@ -79,8 +84,9 @@ impl Operations {
     /// What the status row says is under way.
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
-        self.camera_search
+        self.bulk_solve
             .under_way()
+            .or_else(|| self.camera_search.under_way())
             .or_else(|| self.clip_tracking.under_way())
             .or_else(|| self.frame_snap.under_way())
     }

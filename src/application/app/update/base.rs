@@ -101,8 +101,17 @@ impl App {
     pub(super) fn use_base(&mut self) {
         if let BaseWork::Proposed(found) = &self.session.base {
             let change = BulkChange::Base(Arc::clone(found));
-            self.change_in_bulk(Step::on_document("Estimate base"), change);
+            self.change_in_bulk(Step::on_document("Estimate base"), change, Self::tell_base_used);
         }
+    }
+
+    /// What follows in the window from a base that was taken over.
+    fn tell_base_used(&mut self, change: &BulkChange) {
+        let BulkChange::Base(found) = change else { return };
+        self.session.retract(Command::UseEstimatedBase);
+        self.session.retract(Command::EstimateBase);
+        self.session.base = BaseWork::Applied(Arc::clone(found));
+        self.tell_assumed_size();
     }
 
     /// A frame takes part in the estimation, or does not.

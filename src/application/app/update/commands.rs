@@ -112,7 +112,7 @@ impl App {
             }
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
-            C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
+            C::StopSolving => self.why_not_stop_bulk(),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
             C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
             C::Compare if self.current.proposal.is_some() => None,

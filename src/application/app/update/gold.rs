@@ -291,7 +291,7 @@ impl App {
             self.session.notify(Level::Warning, format!("The click noise cannot be stored: {error}."));
             return;
         }
-        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers))) {
+        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers)), |_, _| ()) {
             self.session.retract(Command::UseOwnNoise);
         }
     }

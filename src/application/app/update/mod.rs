@@ -1,7 +1,6 @@
 //! The only place that changes state: an action in, effects out.
 
 mod base;
-mod bulk;
 mod cameras;
 mod clicks;
 mod commands;
@@ -92,7 +91,6 @@ impl App {
         self.apply(action);
         self.deliver_waiting_reports();
         self.decide_camera_by_click();
-        self.finish_bulk();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
         self.refresh_accept_sheet();
@@ -178,8 +176,6 @@ impl App {
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::Report(report) => self.receive(report),
             Action::Transfer(action) => self.transfer(action),
-            Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
-            Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::Compare(with) => self.compare(with),

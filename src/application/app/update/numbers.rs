@@ -95,7 +95,7 @@ impl App {
             (Some(numbers), Some(step)) => {
                 // Begun anew from the document before: what the shown frame followed is part of the whole change.
                 self.abort();
-                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)));
+                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ());
             }
             _ => self.commit(),
         }

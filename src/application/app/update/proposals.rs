@@ -51,7 +51,7 @@ impl App {
     }
 
     /// Tells of proposals that were made for an old base.
-    pub(super) fn tell_withdrawn(&mut self, withdrawn: usize) {
+    pub(in crate::app) fn tell_withdrawn(&mut self, withdrawn: usize) {
         if withdrawn > 0 {
             let (proposals, were) = if withdrawn == 1 { ("proposal", "was") } else { ("proposals", "were") };
             let text = format!("{withdrawn} {proposals} for the old base {were} discarded; proposing again.");

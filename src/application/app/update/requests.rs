@@ -35,7 +35,7 @@ impl App {
     /// document wait for its end.
     pub(in crate::app) fn is_amid_change(&self) -> bool {
         self.session.mode != Mode::Idle
-            || self.session.bulk.is_some()
+            || self.operations.bulk_solve.is_running()
             || self.is_amid_step()
     }
 }
