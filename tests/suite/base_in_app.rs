@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
-use touchline::app::base::BaseWork;
+use touchline::app::operation::{Breakdown, Failure, Report};
+use touchline::app::operations::BaseEstimate;
 use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
@@ -108,7 +109,7 @@ impl Fixture {
     /// Asks for an estimate and waits for it.
     fn run(&mut self, command: Command) {
         self.command(command);
-        while matches!(self.app.session.base, BaseWork::Estimating(_)) {
+        while self.app.operations.base_estimate.running().is_some() {
             self.woken.recv_timeout(Duration::from_mins(1)).unwrap();
             for action in self.runner.poll() {
                 self.act(action);
@@ -128,7 +129,7 @@ impl Fixture {
 /// Camera, residuals and verdict belong to one solution with the base that was found; a frame without points shows nothing of
 /// another base and says so.
 fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
-    let found = fixture.app.session.base.proposed().unwrap().estimate.base;
+    let found = fixture.app.operations.base_estimate.proposed().unwrap().estimate.base;
     let shown = fixture.app.shown();
     let (camera, solved) = (shown.camera.unwrap(), shown.solved().unwrap());
     assert!(shown.is_estimated && shown.judgement.is_some());
@@ -151,7 +152,7 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     let before = document_to_string(fixture.document()).unwrap();
     assert!(next_step(&fixture.app).offers.contains(&("Estimate the base now", Command::EstimateBase)));
     fixture.estimate();
-    let found = fixture.app.session.base.proposed().unwrap();
+    let found = fixture.app.operations.base_estimate.proposed().unwrap();
     assert_eq!(found.frames, [0, 1, 2, 3]);
     assert!(found.estimate.median_px < 2.0, "{}", found.estimate.median_px);
     assert!(!found.landmarks.is_empty());
@@ -186,11 +187,11 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     fixture.command(Command::BaseOnPaint);
     assert!(fixture.app.settings.base_on_paint);
     fixture.command(Command::EstimateBase);
-    assert!(matches!(&fixture.app.session.base, BaseWork::Estimating(work) if work.from.contains("painted lines")));
+    assert!(fixture.app.operations.base_estimate.running().is_some_and(|work| work.operation().from.contains("painted lines")));
     fixture.command(Command::DropEstimatedBase);
-    assert!(matches!(fixture.app.session.base, BaseWork::Idle), "it can be stopped");
+    assert!(is_idle(&fixture.app), "it can be stopped");
     fixture.estimate();
-    let found = fixture.app.session.base.proposed().unwrap().clone();
+    let found = fixture.app.operations.base_estimate.proposed().unwrap().clone();
     let on_paint = found.on_paint.clone().unwrap();
     let [held_out, was] = [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
     assert!(held_out < 0.4 && held_out <= was, "{held_out} px, {was} px before");
@@ -227,7 +228,7 @@ fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
 fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
     let mut fixture = Fixture::on(document(6, 6));
     fixture.run(Command::FitFieldSize);
-    let found = fixture.app.session.base.proposed().unwrap();
+    let found = fixture.app.operations.base_estimate.proposed().unwrap();
     let names: Vec<&str> = found.sizes.iter().map(|size| size.name.as_str()).collect();
     assert_eq!(names, ["length_m", "width_m"]);
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
@@ -247,12 +248,32 @@ fn what_was_found_can_be_discarded_and_the_estimation_stopped() {
     let mut fixture = Fixture::on(document(4, 4));
     fixture.command(Command::EstimateBase);
     fixture.command(Command::DropEstimatedBase);
-    assert!(matches!(fixture.app.session.base, BaseWork::Idle));
+    assert!(is_idle(&fixture.app));
     fixture.estimate();
-    assert!(fixture.app.session.base.proposed().is_some());
+    assert!(fixture.app.operations.base_estimate.proposed().is_some());
     fixture.command(Command::Cancel);
-    assert!(matches!(fixture.app.session.base, BaseWork::Idle));
+    assert!(is_idle(&fixture.app));
     assert!(fixture.base().is_none());
+}
+
+/// Nothing is being estimated, and nothing was found.
+fn is_idle(app: &App) -> bool {
+    let state = &app.operations.base_estimate;
+    !state.is_open() && state.found().is_none()
+}
+
+#[test]
+fn a_second_estimate_replaces_the_first() {
+    let mut fixture = Fixture::on(document(4, 4));
+    fixture.command(Command::EstimateBase);
+    let first = fixture.app.operations.base_estimate.running().unwrap().id();
+    fixture.estimate();
+    let before = fixture.app.session.notices.len();
+    assert!(fixture.app.operations.base_estimate.proposed().is_some());
+    let late = Failure::Broken(Breakdown::Panicked("too late".to_owned()));
+    fixture.act(Action::Report(Report::of_end::<BaseEstimate>(first, Err(late))));
+    assert!(fixture.app.operations.base_estimate.proposed().is_some(), "of the second one");
+    assert_eq!(fixture.app.session.notices.len(), before);
 }
 
 #[test]
@@ -264,7 +285,7 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
     off.position_m = off.position_m.map(|position| position + Vec3::new(0.0, 2.0, -1.0));
     fixture.act(Action::EditCamera(Box::new(off)));
     fixture.estimate();
-    let estimate = &fixture.app.session.base.proposed().unwrap().estimate;
+    let estimate = &fixture.app.operations.base_estimate.proposed().unwrap().estimate;
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
     assert_eq!(fixture.app.why_not(Command::Compare), None);
     fixture.act(Action::Hold(Command::Compare, true));
@@ -281,7 +302,7 @@ fn a_frame_is_left_out_and_put_back() {
     assert!(text.contains("\"use_for_base\": false"), "{text}");
     assert_eq!((fixture.app.base_readiness().frames, fixture.app.base_readiness().left_out), (3, 1));
     fixture.estimate();
-    assert_eq!(fixture.app.session.base.proposed().unwrap().frames, [0, 2, 3]);
+    assert_eq!(fixture.app.operations.base_estimate.proposed().unwrap().frames, [0, 2, 3]);
     fixture.command(Command::DropEstimatedBase);
     fixture.act(Action::UseForBase { frame: 1, used: true });
     assert!(!document_to_string(fixture.document()).unwrap().contains("use_for_base"));
@@ -300,14 +321,14 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
     }
     let mut fixture = Fixture::on(document);
     fixture.estimate();
-    let mirrored = fixture.app.session.base.proposed().unwrap().estimate.mirrored.clone();
+    let mirrored = fixture.app.operations.base_estimate.proposed().unwrap().estimate.mirrored.clone();
     assert_eq!(mirrored.iter().map(|mirrored| mirrored.frame).collect::<Vec<_>>(), [2]);
     fixture.act(Action::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry });
     assert_eq!(fixture.app.session.frame, 2);
     let names: Vec<_> = fixture.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
     let right: Vec<_> = visible(2).into_iter().map(|(target, _)| target).collect();
     assert_eq!(names, right);
-    assert!(fixture.app.session.base.found().unwrap().estimate.mirrored.is_empty());
+    assert!(fixture.app.operations.base_estimate.found().unwrap().estimate.mirrored.is_empty());
 }
 
 #[test]
@@ -354,7 +375,7 @@ fn too_little_is_said_and_changes_nothing() {
     let mut fixture = Fixture::on(contradicting);
     let before = document_to_string(fixture.document()).unwrap();
     fixture.estimate();
-    assert!(fixture.app.session.base.found().is_none(), "{:?}", fixture.app.session.base);
+    assert!(fixture.app.operations.base_estimate.found().is_none(), "{:?}", fixture.app.operations.base_estimate);
     assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
     assert_eq!(document_to_string(fixture.document()).unwrap(), before);
 }

@@ -1,6 +1,5 @@
 //! Actions, which change state.
 
-use super::base::{EstimateFailure, EstimateProgress};
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::guide::GuidePage;
 use super::opened::{Opened, OutsideChoice};
@@ -12,7 +11,6 @@ use super::transfer::TransferAction;
 use super::{Chord, Command, TrainerStatus, VideoAction};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 use std::path::PathBuf;
-use touchline_calibration::calibrate::EstimatedBase;
 use touchline_calibration::proposals::{CarriedProposal, Proposal, UsedFeatures};
 use touchline_core::camera::Ptz;
 use touchline_core::field::{FieldError, Symmetry, Template};
@@ -210,10 +208,6 @@ pub enum Action {
 
     /// An operation reports how far it has come, or what came of it.
     Report(Report),
-    /// How far the estimation of a base has come.
-    BaseProgress(EstimateProgress),
-    /// The base of a camera was estimated, or why it was not.
-    BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
     /// Something is exported or imported.
     Transfer(TransferAction),
     /// A frame takes part in the estimation of its camera's base, or is left out.

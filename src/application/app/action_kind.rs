@@ -103,8 +103,6 @@ impl Action {
             | Self::CarriedProposals(_)
             | Self::Trainer(_)
             | Self::Features(_)
-            | Self::BaseProgress(_)
-            | Self::BaseEstimated(_)
             | Self::Report(_)
             | Self::Transfer(_)
             | Self::Compare(_)

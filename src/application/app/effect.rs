@@ -5,7 +5,7 @@ use super::session::Question;
 use super::transfer::TransferOrder;
 use super::TrainerOrder;
 use std::path::PathBuf;
-use touchline_documents::document::{CameraId, Document, Edit, History};
+use touchline_documents::document::{Document, Edit, History};
 
 /// What the outside has to do; the shell passes it to `jobs` or to the window system.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,21 +80,6 @@ pub enum Effect {
     CancelOpening,
     /// Open a fresh copy of the demo match.
     OpenDemo,
-    /// Estimate the base of a camera and report `Action::BaseEstimated`.
-    EstimateBase {
-        /// The field's size is fitted as well.
-        with_size: bool,
-        /// The painted lines of the pictures take part.
-        with_paint: bool,
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        folder: PathBuf,
-        /// Which camera.
-        camera: CameraId,
-    },
-    /// Give up what is being estimated.
-    CancelEstimate,
     /// Run an operation and pass on what it reports as `Action::Report`.
     Start(Job),
     /// Tell the background trainer something.

@@ -1,6 +1,5 @@
 //! The next step, as the status row shows it.
 
-use super::base::BaseWork;
 use super::progress::{ALL_DONE, missing_references};
 use super::session::{Mode, reason_label};
 use super::{App, Command};
@@ -139,22 +138,19 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
 
 /// A base that is being estimated, or was found and waits for a decision.
 fn estimated(app: &App) -> Option<Guidance> {
-    match &app.session.base {
-        BaseWork::Estimating(work) => Some(Guidance::say(work.describe()).offer("Stop", Command::DropEstimatedBase)),
-        BaseWork::Proposed(_) => {
-            let proposal = app.current().proposal.as_ref();
-            let drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
-            Some(Guidance::say(match (proposal, app.current().base) {
-                (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
-                _ if !drawn => "This frame has no points to draw the estimated base with. Step to one that has.",
-                (_, Some(_)) => "Lines and numbers are those of the estimated base. Hold B for the current one.",
-                (_, None) => {
-                    "Lines and numbers are those of the estimated base. Step through the frames and check them."
-                }
-            }))
-        }
-        BaseWork::Idle | BaseWork::Applied(_) => None,
+    let state = &app.operations.base_estimate;
+    if let Some(under_way) = state.under_way() {
+        return Some(Guidance::say(under_way.text).offer("Stop", under_way.stop));
     }
+    state.proposed()?;
+    let proposal = app.current().proposal.as_ref();
+    let is_drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
+    Some(Guidance::say(match (proposal, app.current().base) {
+        (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
+        _ if !is_drawn => "This frame has no points to draw the estimated base with. Step to one that has.",
+        (_, Some(_)) => "Lines and numbers are those of the estimated base. Hold B for the current one.",
+        (_, None) => "Lines and numbers are those of the estimated base. Step through the frames and check them.",
+    }))
 }
 
 /// Until the base is known: what is still needed for it.

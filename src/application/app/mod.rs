@@ -6,7 +6,6 @@
 
 mod action;
 mod action_kind;
-pub mod base;
 pub mod camera_text;
 mod choices;
 mod command;
@@ -31,6 +30,7 @@ pub mod place;
 pub mod playing;
 mod prepared;
 mod progress;
+mod proposed_base;
 pub mod quality;
 pub mod reclick;
 pub mod review;
@@ -62,6 +62,7 @@ pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;
 pub use opened::{Opened, OutsideChoice};
 pub use operations::PaintSays;
+pub use proposed_base::WithProposal;
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};

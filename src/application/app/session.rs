@@ -5,7 +5,6 @@ pub use super::filter::{Filter, is_to_do, status_label};
 pub use super::mode::{Mode, Naming, OFFERED};
 pub use super::notice::{Level, Notice, in_row};
 
-use super::base::BaseWork;
 use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
@@ -71,8 +70,6 @@ pub struct Session {
     pub saving: Saving,
     /// How often the document was asked to be written.
     pub save_requests: u64,
-    /// What is being done about the camera's base.
-    pub base: BaseWork,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
     /// A document is being read.

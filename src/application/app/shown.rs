@@ -43,7 +43,7 @@ impl App {
     /// Whether an estimated base of the shown frame's camera waits for a decision.
     #[must_use]
     pub fn decides_about_base(&self) -> bool {
-        let proposed = self.session.base.proposed();
+        let proposed = self.operations.base_estimate.proposed();
         proposed.zip(self.frame()).is_some_and(|(found, frame)| found.camera == frame.camera)
     }
 

@@ -1,13 +1,12 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{base_with_paint, transferred};
-use super::tasks::{camera_with_base, estimate, save_copy};
+use super::picture_tasks::{transferred};
+use super::tasks::{camera_with_base, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
     TrainerOptions, TrainerReport, Wake, demo,
 };
-use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
@@ -39,8 +38,6 @@ enum Outcome {
 enum Kind {
     /// It opens a document.
     Opening,
-    /// It estimates a base.
-    Estimate,
     /// It exports or imports; the order's ticket.
     Transfer(u64),
     /// It reads what concerns the open document alone.
@@ -141,22 +138,6 @@ impl Runner {
                 self.give_up(|kind| kind == Kind::Opening);
                 self.ready = None;
             }
-            Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
-                let pictures = self.pictures.clone();
-                self.begin("base", Kind::Estimate, move |watch| {
-                    let tell = |progress| watch.tell(Action::BaseProgress(progress));
-                    let adjusting = |progress| tell(EstimateProgress::Adjusting(progress));
-                    let document = document.at(&folder);
-                    let found = if with_paint {
-                        let looking = |pictures| tell(EstimateProgress::Looking { pictures });
-                        base_with_paint(document, (&camera, with_size), pictures, &adjusting, &looking)
-                    } else {
-                        estimate(document, &camera, with_size, &adjusting).map_err(EstimateFailure::Impossible)
-                    };
-                    Ok(Outcome::Action(Action::BaseEstimated(found)))
-                });
-            }
-            Effect::CancelEstimate => self.give_up(|kind| kind == Kind::Estimate),
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -225,7 +206,6 @@ impl Runner {
                     }
                     BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
                     BackgroundReport::Panicked(message) => actions.push(match task.kind {
-                        Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
                         Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
                             ticket,
                             result: Err(format!("Internal error (please report it): {message}")),

@@ -2,28 +2,9 @@
 
 use super::JobError;
 use std::path::{Path, PathBuf};
-use touchline_calibration::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
-use touchline_core::solve::base::{BaseOptions, WatchBase};
-use touchline_documents::document::{Camera, CameraId, DocumentAt};
+use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store;
 use touchline_documents::store::{Location, Store};
-
-/// Estimates the base of a camera, and the field's size as well if that is wanted.
-pub(super) fn estimate(
-    document: DocumentAt<'_>,
-    camera: &CameraId,
-    with_size: bool,
-    watch: WatchBase<'_>,
-) -> Result<Box<EstimatedBase>, BaseEstimationError> {
-    let problem = BaseProblem::of(document, camera)?;
-    let options = BaseOptions::default();
-    let found = if with_size {
-        problem.estimate_with_size(document, &options, watch)
-    } else {
-        problem.estimate_watched(document.document, &options, watch)
-    };
-    found.map(Box::new)
-}
 
 /// Writes a document into another folder; an existing project there is not touched.
 pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {

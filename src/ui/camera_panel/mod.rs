@@ -43,7 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.set_width(ui.available_width());
             of_frames(panel, ui, &camera);
             // The sport has to be chosen before the first point; afterwards the field comes last.
-            let settled = camera.base().is_some() || panel.app.session.base.found().is_some();
+            let settled = camera.base().is_some() || panel.app.operations.base_estimate.found().is_some();
             if !settled {
                 field::show(panel, ui);
             }
@@ -59,7 +59,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             numbers::lens(panel, ui, &camera);
             numbers::sigma(panel, ui, &camera);
-            if panel.app.session.base.found().is_none() {
+            if panel.app.operations.base_estimate.found().is_none() {
                 evidence::frames_of_document(panel, ui, &camera);
             }
             if settled {

@@ -2,6 +2,7 @@
 //!
 //! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it.
 
+pub mod base_estimate;
 pub mod bulk_solve;
 mod burnt_in;
 pub mod camera_search;
@@ -14,6 +15,7 @@ mod picture_check;
 mod point_snap;
 pub mod shot_search;
 
+pub use base_estimate::BaseEstimate;
 pub use bulk_solve::BulkSolving;
 pub use burnt_in::BurntInSearch;
 pub use camera_search::CameraSearch;
@@ -28,6 +30,7 @@ pub use shot_search::{FoundShots, ShotProgress, ShotSearch};
 use super::Command;
 #[cfg(test)]
 use super::operation::probe::ProbeState;
+use base_estimate::BaseEstimateState;
 use bulk_solve::BulkSolveState;
 use burnt_in::BurntInState;
 use camera_search::CameraSearchState;
@@ -43,6 +46,8 @@ use shot_search::ShotSearchState;
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
 #[derive(Debug, Default)]
 pub struct Operations {
+    /// The estimation of a camera's base.
+    pub base_estimate: BaseEstimateState,
     /// A change after which many frames are solved again.
     pub bulk_solve: BulkSolveState,
     /// The search for graphics that are burned into the pictures.

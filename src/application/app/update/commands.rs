@@ -97,7 +97,6 @@ impl App {
             C::AssignToCamera
             | C::NewCameraFromChange
             | C::ConfirmFieldSize
-            | C::FitFieldSize
             | C::AddCut
             | C::MoveCutHere
             | C::RemoveCut
@@ -111,10 +110,10 @@ impl App {
                 Some("This frame does not come from a video.")
             }
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
-            C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
             C::StopSolving => self.why_not_stop_bulk(),
-            C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
-            C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
+            C::EstimateBase | C::FitFieldSize | C::UseEstimatedBase | C::DropEstimatedBase => {
+                self.why_not_base_estimate(command)
+            }
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
@@ -282,11 +281,10 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.camera_search_command(command);
             }
-            C::EstimateBase => self.estimate_base(false),
+            C::EstimateBase | C::FitFieldSize | C::UseEstimatedBase | C::DropEstimatedBase => {
+                self.base_estimate_command(command);
+            }
             C::ShowForBase => self.show_for_base(),
-            C::FitFieldSize => self.estimate_base(true),
-            C::UseEstimatedBase => self.use_base(),
-            C::DropEstimatedBase => self.drop_base(),
             C::StopSolving => self.stop_bulk(),
             C::UseForBase => {
                 let used = self.frame().is_some_and(|frame| !frame.use_for_base);
@@ -330,8 +328,8 @@ impl App {
             self.session.quality.open = false;
             return;
         }
-        if self.session.mode == Mode::Idle && self.session.base.is_open() {
-            self.drop_base();
+        if self.session.mode == Mode::Idle && self.operations.base_estimate.is_open() {
+            self.drop_estimated_base();
             return;
         }
         if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.masks) {

@@ -34,7 +34,6 @@ impl App {
     }
 
     pub(super) fn opened(&mut self, opened: Opened) {
-        self.effects.push(Effect::CancelEstimate);
         self.effects.push(Effect::CancelTransfer);
         self.operations = Operations::default();
         let panel = self.session.panel;

@@ -91,7 +91,8 @@ impl App {
         self.apply(action);
         self.deliver_waiting_reports();
         self.decide_camera_by_click();
-        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
+        let proposed = self.operations.base_estimate.proposed();
+        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take(), proposed);
         self.refresh_review();
         self.refresh_accept_sheet();
         self.quality.refresh(self.open.as_mut(), &self.session);
@@ -172,8 +173,6 @@ impl App {
             Action::SetTimeAxis(axis) => self.set_time_axis(axis),
             Action::ShowSpan(span) => self.show_span(span),
             Action::LookAt { frame, click } => self.look_at(frame, click),
-            Action::BaseProgress(progress) => self.base_progress(progress),
-            Action::BaseEstimated(found) => self.base_estimated(found),
             Action::Report(report) => self.receive(report),
             Action::Transfer(action) => self.transfer(action),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
