@@ -386,8 +386,8 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How far an export has come; a click shows its dialog, which can stop it.
 fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(work) = panel.app.session.transfer.under_way.filter(|work| work.writes) else { return };
-    let far = work.pictures.map(|(done, of)| format!(" {} %", 100 * done / of.max(1))).unwrap_or_default();
+    let Some(running) = panel.app.operations.transfer.writing() else { return };
+    let far = running.progress().map(|far| format!(" {:.0} %", (100.0 * far.share()).floor())).unwrap_or_default();
     let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(ui.palette().weak)).frame(false));
     if says.on_hover_text("An export is being written. Click to show it.").clicked() {
         panel.actions.push(Action::Command(Command::Export));

@@ -2,7 +2,6 @@
 
 use super::operation::Job;
 use super::session::Question;
-use super::transfer::TransferOrder;
 use super::TrainerOrder;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Edit, History};
@@ -72,10 +71,6 @@ pub enum Effect {
         /// Where.
         folder: PathBuf,
     },
-    /// Export, write or import something, report `TransferAction::Progress` on the way and what came of it in the end.
-    Transfer(Box<TransferOrder>),
-    /// Nobody waits any more for an export or import.
-    CancelTransfer,
     /// Give up what is being opened.
     CancelOpening,
     /// Open a fresh copy of the demo match.

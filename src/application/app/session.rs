@@ -9,7 +9,6 @@ use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
 use super::tour::Tour;
-use super::transfer::Transfer;
 use super::video::VideoState;
 use super::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
@@ -92,8 +91,6 @@ pub struct Session {
     pub video: VideoState,
     /// The tour on the demo match, while it lasts.
     pub tour: Option<Tour>,
-    /// What was chosen for exports and imports, and what is under way.
-    pub transfer: Transfer,
     next_notice: u64,
 }
 

@@ -23,7 +23,6 @@ mod frame_orders;
 mod frame_worker;
 mod opening;
 mod panicked;
-mod picture_tasks;
 mod pictures;
 mod queue;
 mod runner;

@@ -1,7 +1,6 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{transferred};
 use super::tasks::{camera_with_base, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -9,7 +8,6 @@ use super::{
 };
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
-use crate::app::transfer::TransferAction;
 use crate::app::{Action, Effect, Question};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -38,8 +36,6 @@ enum Outcome {
 enum Kind {
     /// It opens a document.
     Opening,
-    /// It exports or imports; the order's ticket.
-    Transfer(u64),
     /// It reads what concerns the open document alone.
     Beside,
     /// Anything that runs to its end.
@@ -168,14 +164,6 @@ impl Runner {
                 save_copy(document.at(&from), &folder)?;
                 Ok(Outcome::Action(Action::Copied(folder)))
             }),
-            Effect::Transfer(order) => {
-                self.give_up(|kind| matches!(kind, Kind::Transfer(_)));
-                let pictures = self.pictures.clone();
-                self.begin("export and import", Kind::Transfer(order.ticket), move |watch| {
-                    Ok(Outcome::Action(transferred(*order, pictures, &mut |action| watch.tell(action))))
-                });
-            }
-            Effect::CancelTransfer => self.give_up(|kind| matches!(kind, Kind::Transfer(_))),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
@@ -205,15 +193,9 @@ impl Runner {
                         actions.push(Action::AlreadyOpen(file));
                     }
                     BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
-                    BackgroundReport::Panicked(message) => actions.push(match task.kind {
-                        Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
-                            ticket,
-                            result: Err(format!("Internal error (please report it): {message}")),
-                        }),
-                        Kind::Opening | Kind::Beside | Kind::Other => {
-                            Action::Failed(format!("internal error (please report it): {message}"))
-                        }
-                    }),
+                    BackgroundReport::Panicked(message) => {
+                        actions.push(Action::Failed(format!("internal error (please report it): {message}")));
+                    }
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! What is done in the background at a person's request, apart from opening.
 
 use super::JobError;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store;
 use touchline_documents::store::{Location, Store};
@@ -12,13 +12,6 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
     let location = Location::for_new_document(folder)?;
     Store::create(&location, &document.relocated(location.folder()))?;
     Ok(())
-}
-
-/// Where a new folder is written: the one that was chosen if it is empty or absent or holds a dataset, else a new one in it.
-pub(super) fn new_folder(chosen: PathBuf, name: &str) -> PathBuf {
-    let is_full = std::fs::read_dir(&chosen).is_ok_and(|mut entries| entries.next().is_some());
-    let is_dataset = chosen.join("manifest.sha256").is_file();
-    if is_full && !is_dataset { chosen.join(name) } else { chosen }
 }
 
 /// The first camera of a document that has a base.

@@ -84,8 +84,8 @@ fn every_option_that_an_export_or_import_speaks_of_has_words_in_the_dialog() {
 }
 
 fn found(headless: &mut Headless) -> Look {
-    headless.wait_until("looking", |app| app.session.transfer.found.is_some());
-    headless.app.session.transfer.found.clone().unwrap().look
+    headless.wait_until("looking", |app| app.operations.transfer.found.is_some());
+    headless.app.operations.transfer.found.clone().unwrap().look
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     // What cannot be is said in one line, also where it was chosen while something was being written.
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::FreeD));
-    let mut options = headless.app.session.transfer.export.clone();
+    let mut options = headless.app.operations.transfer.export.clone();
     options.frames.statuses = vec![FrameStatus::Rejected];
     options.gaps = Gaps::Takes;
     act(&mut headless, TransferAction::Export(Box::new(options)));
@@ -124,7 +124,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let mut headless = opened(folder.path());
     headless.act(Action::Command(Command::ExportDataset));
-    assert_eq!(headless.app.session.transfer.tab, TransferTab::Dataset);
+    assert_eq!(headless.app.operations.transfer.tab, TransferTab::Dataset);
     let options =
         DatasetOptions { splitting: Some(Splitting::default()), undistorted: true, ..DatasetOptions::default() };
     act(&mut headless, TransferAction::Dataset(Box::new(options)));
@@ -141,7 +141,8 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     headless.act(Action::Command(Command::ExportDataset));
     headless.answer(Question::DatasetTo, &folder.path().join("other"));
     act(&mut headless, TransferAction::Stop);
-    assert_eq!(headless.app.session.transfer.under_way, None);
+    let transfer = &headless.app.operations.transfer;
+    assert!(!transfer.is_looking() && transfer.writing().is_none());
     drop(headless);
     let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(left.filter(|name| name.contains(".tmp")).count() == 0, "nothing temporary is left");
@@ -170,7 +171,7 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     let before = headless.app.open().unwrap().document.frames.clone();
     headless.answer(Question::ImportFrom(Format::Labelme), &labelme);
     let Look::Import(Ok(joined)) = found(&mut headless) else {
-        panic!("{:?}", headless.app.session.transfer.found);
+        panic!("{:?}", headless.app.operations.transfer.found);
     };
     assert_eq!((joined.matched, joined.kept, joined.added, joined.clicks), (1, 1, 0, 2));
     assert_eq!(headless.app.open().unwrap().document.frames, before, "a look changes nothing");
@@ -221,7 +222,7 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
     headless.act(Action::Command(Command::Import));
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &other.path().join("project.json"));
-    let Look::Import(Ok(joined)) = found(&mut headless) else { panic!("{:?}", headless.app.session.transfer.found) };
+    let Look::Import(Ok(joined)) = found(&mut headless) else { panic!("{:?}", headless.app.operations.transfer.found) };
     assert_eq!(joined.added, 6);
     act(&mut headless, TransferAction::TakeOver);
     for frame in [9, 1] {

@@ -14,6 +14,7 @@ mod line_check;
 mod picture_check;
 mod point_snap;
 pub mod shot_search;
+pub mod transfer;
 
 pub use base_estimate::BaseEstimate;
 pub use bulk_solve::BulkSolving;
@@ -42,6 +43,7 @@ use line_check::LineChecks;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
+use transfer::TransferState;
 
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
 #[derive(Debug, Default)]
@@ -70,6 +72,8 @@ pub struct Operations {
     pub(in crate::app) point_snap: PointSnapState,
     /// The search for the cuts of a video.
     pub shot_search: ShotSearchState,
+    /// Exports and imports: what was chosen, and what is under way.
+    pub transfer: TransferState,
     #[cfg(test)]
     pub(crate) probe: ProbeState,
 }

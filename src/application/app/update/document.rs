@@ -34,17 +34,13 @@ impl App {
     }
 
     pub(super) fn opened(&mut self, opened: Opened) {
-        self.effects.push(Effect::CancelTransfer);
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
-        let transfer_tickets = self.session.transfer.tickets;
         let told = std::mem::take(&mut self.session.told);
         self.session = Session::default();
         self.session.told = told;
         self.session.trainer = trainer;
-        // A report of the document before is passed over.
-        self.session.transfer.tickets = transfer_tickets;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());

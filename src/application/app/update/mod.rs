@@ -24,7 +24,6 @@ mod shots;
 mod sport;
 mod tour;
 mod trainer;
-mod transfer;
 mod verdict;
 
 pub use commands::MAX_SCALE;

@@ -196,8 +196,9 @@ fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::transfer::{TransferAction, UnderWay};
-    use crate::app::{Action, Opened, Settings};
+    use crate::app::operation::Report;
+    use crate::app::operations::transfer::TransferWrite;
+    use crate::app::{Action, Effect, Opened, Question, Settings};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Document, Frame};
 
@@ -217,8 +218,13 @@ mod tests {
     fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
         for own_field in [false, true] {
             let mut app = app(own_field);
-            app.session.transfer.under_way = Some(UnderWay { ticket: 1, revision: 0, writes: true, pictures: None });
-            app.update(Action::Transfer(TransferAction::Written { ticket: 1, result: Ok("written".to_owned()) }));
+            let effects = app.update(Action::Answer(Question::DatasetTo, "/match/set".into()));
+            let job = effects.into_iter().find_map(|effect| match effect {
+                Effect::Start(job) => job.operation::<TransferWrite>().is_some().then_some(job),
+                _ => None,
+            });
+            let written = Report::of_end::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
+            app.update(Action::Report(written));
             let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
             assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
             app.update(Action::Command(Command::ConfirmFieldSize));
