@@ -9,8 +9,8 @@ use touchline_documents::document::{Document, Edit, History};
 /// What the outside has to do; the shell passes it to `jobs` or to the window system.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Read a document, folder or video and report `Action::Opened`.
-    Open(PathBuf),
+    /// Read a document and report `Action::Opened`.
+    Open(Opening),
     /// Read a field template of the user's own and report `Action::TemplateRead`.
     ReadTemplate {
         /// The document's file.
@@ -45,22 +45,12 @@ pub enum Effect {
     SaveOver,
     /// Report what another program made of the document: `Action::Outside`.
     ReadOutside,
-    /// Let go of the document, and open it as it is on disk.
-    Reopen(PathBuf),
-    /// Read edits that were set aside and report `Action::OrphanRead`.
-    ReadOrphan {
+    /// Do something with edits that were set aside.
+    Orphan {
         /// Their file.
-        orphan: PathBuf,
-    },
-    /// Write them as a document and report `Action::OrphanSaved`.
-    SaveOrphan {
-        /// Their file.
-        orphan: PathBuf,
-    },
-    /// Give their file another name and report `Action::OrphanPutAway`.
-    PutOrphanAway {
-        /// Their file.
-        orphan: PathBuf,
+        file: PathBuf,
+        /// What.
+        order: OrphanOrder,
     },
     /// Write a copy of the project into a folder.
     SaveCopy {
@@ -73,8 +63,6 @@ pub enum Effect {
     },
     /// Give up what is being opened.
     CancelOpening,
-    /// Open a fresh copy of the demo match.
-    OpenDemo,
     /// Run an operation and pass on what it reports as `Action::Report`.
     Start(Job),
     /// Tell the background trainer something.
@@ -87,4 +75,26 @@ pub enum Effect {
     SaveSettings,
     /// Everything is on disk: close the window.
     Close,
+}
+
+/// What is opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// A document, folder or video.
+    Path(PathBuf),
+    /// A fresh copy of the demo match.
+    Demo,
+    /// The open document as it is on disk: this one is let go of first.
+    Again(PathBuf),
+}
+
+/// What is done with edits that were set aside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrphanOrder {
+    /// Read them and report them.
+    Read,
+    /// Write them as a document of their own.
+    Save,
+    /// Give their file another name: they are in the document.
+    PutAway,
 }

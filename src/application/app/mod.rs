@@ -55,7 +55,7 @@ pub use command::Command;
 pub use command_kind::CommandKind;
 pub use current::Current;
 pub use derived::{FrameCounts, GoldWork};
-pub use effect::Effect;
+pub use effect::{Effect, Opening, OrphanOrder};
 pub use keymap::{Chord, ChordError, Keymap};
 pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;

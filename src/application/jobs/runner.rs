@@ -1,6 +1,6 @@
 //! Carries out what the application asks for, in the background.
 
-use super::opening::{OpenWatch, Ready, open_anything};
+use super::opening::{Ready, open_anything};
 use super::tasks::{camera_with_base, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
-use crate::app::{Action, Effect, Question};
+use crate::app::{Action, Effect, Opening, OrphanOrder, Question};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -118,14 +118,7 @@ impl Runner {
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
             Effect::Start(job) => self.start(job),
-            Effect::Open(path) => self.open("open", move |_| Ok(path)),
-            Effect::OpenDemo => self.open("open the demo", demo::fresh_copy),
-            Effect::Reopen(path) => {
-                // What is not written stays in the journal, and is found again there.
-                let last = self.close();
-                self.reports.extend(last);
-                self.open("open again", move |_| Ok(path));
-            }
+            Effect::Open(opening) => self.open(opening),
             Effect::ReadTemplate { of, folder, name } => self.begin("field template", Kind::Other, move |_| {
                 let template = template_named(&name, &folder).map(Box::new);
                 Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
@@ -149,17 +142,7 @@ impl Runner {
             Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
             Effect::SaveOver => self.tell_saver(Saver::save_over),
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
-            Effect::ReadOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
-                let edits = Box::new(read_orphan(location, &orphan)?);
-                Ok(Action::OrphanRead { orphan, edits })
-            }),
-            Effect::SaveOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
-                Ok(Action::OrphanSaved { document: save_orphan(location, &orphan)? })
-            }),
-            Effect::PutOrphanAway { orphan } => self.begin_beside("edits set aside", move |location| {
-                let renamed = put_orphan_away(location, &orphan)?;
-                Ok(Action::OrphanPutAway { orphan, renamed })
-            }),
+            Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
             Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
                 save_copy(document.at(&from), &folder)?;
                 Ok(Outcome::Action(Action::Copied(folder)))
@@ -319,23 +302,42 @@ impl Runner {
         }
     }
 
-    /// Opens what a task finds out.
-    fn open(&mut self, name: &str, path: impl FnOnce(OpenWatch<'_>) -> Result<PathBuf, JobError> + Send + 'static) {
-        // Whoever asks for another document does not wait for the one before.
+    /// Opens a document. Whoever asks for another one does not wait for the one before.
+    fn open(&mut self, opening: Opening) {
         self.give_up(|kind| kind == Kind::Opening);
         self.ready = None;
+        if matches!(opening, Opening::Again(_)) {
+            // What is not written stays in the journal, and is found again there.
+            let last = self.close();
+            self.reports.extend(last);
+        }
         let held = self.held.clone();
-        self.begin(name, Kind::Opening, move |watch| {
+        self.begin("open", Kind::Opening, move |watch| {
             let tell = |text| watch.tell(Action::Progress(text));
-            open_anything(&path(&tell)?, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
+            let path = match opening {
+                Opening::Path(path) | Opening::Again(path) => path,
+                Opening::Demo => demo::fresh_copy(&tell)?,
+            };
+            open_anything(&path, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
 
-    /// Begins a task that reads or writes files beside the open document.
-    fn begin_beside(&mut self, name: &str, task: impl FnOnce(&Location) -> Result<Action, JobError> + Send + 'static) {
-        if let Some(location) = self.held.clone() {
-            self.begin(name, Kind::Beside, move |_| task(&location).map(Outcome::Action));
-        }
+    /// Begins what is to be done with edits that were set aside beside the open document.
+    fn begin_with_orphan(&mut self, orphan: PathBuf, order: OrphanOrder) {
+        let Some(location) = self.held.clone() else { return };
+        self.begin("edits set aside", Kind::Beside, move |_| {
+            Ok(Outcome::Action(match order {
+                OrphanOrder::Read => {
+                    let edits = Box::new(read_orphan(&location, &orphan)?);
+                    Action::OrphanRead { orphan, edits }
+                }
+                OrphanOrder::Save => Action::OrphanSaved { document: save_orphan(&location, &orphan)? },
+                OrphanOrder::PutAway => {
+                    let renamed = put_orphan_away(&location, &orphan)?;
+                    Action::OrphanPutAway { orphan, renamed }
+                }
+            }))
+        });
     }
 
     fn tell_saver(&self, order: impl FnOnce(&Saver)) {
@@ -489,7 +491,7 @@ mod tests {
     fn what_was_reported_before_a_document_opened_still_concerns_the_one_before() {
         let mut bench = Bench::new();
         let folder = project(1);
-        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
         bench
             .runner
             .begin("word", Kind::Other, |_| Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned()))));
@@ -508,8 +510,8 @@ mod tests {
     fn the_document_that_is_asked_for_last_opens_alone() {
         let mut bench = Bench::new();
         let (first, last) = (project(1), project(2));
-        bench.runner.carry_out(Effect::Open(first.path().to_path_buf()));
-        bench.runner.carry_out(Effect::Open(last.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(Opening::Path(first.path().to_path_buf())));
+        bench.runner.carry_out(Effect::Open(Opening::Path(last.path().to_path_buf())));
         bench.wait();
         assert_eq!(bench.app.open().unwrap().document.frames.len(), 2);
         assert!(!first.path().join("project.json.lock").exists(), "the other one is let go of");
@@ -524,7 +526,7 @@ mod tests {
             let _: Result<(), _> = wait.recv();
             Ok(Outcome::Action(Action::Notify(Level::Info, "of another document".to_owned())))
         });
-        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
         while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {
             bench.woken.recv().unwrap();
             for action in bench.runner.poll() {

@@ -5,7 +5,7 @@ use super::Current;
 use crate::app::Command;
 use crate::app::OpenProject;
 use crate::app::Opened;
-use crate::app::effect::Effect;
+use crate::app::effect::{Effect, Opening};
 use crate::app::operations::Operations;
 use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
 use std::path::{Path, PathBuf};
@@ -23,14 +23,14 @@ impl App {
 
     pub(super) fn begin_opening_demo(&mut self) {
         self.session.opening = Some("Opening the demo match…".to_owned());
-        self.effects.push(Effect::OpenDemo);
+        self.effects.push(Effect::Open(Opening::Demo));
     }
 
     pub(super) fn begin_opening(&mut self, path: PathBuf) {
         // What failed before is answered by another try.
         self.session.notices.retain(|notice| notice.level != Level::Error);
         self.session.opening = Some(format!("Opening {}…", path.display()));
-        self.effects.push(Effect::Open(path));
+        self.effects.push(Effect::Open(Opening::Path(path)));
     }
 
     pub(super) fn opened(&mut self, opened: Opened) {

@@ -30,7 +30,7 @@ pub use commands::MAX_SCALE;
 
 use super::action::Action;
 use super::current::{Current, FreshSolve};
-use super::effect::Effect;
+use super::effect::{Effect, OrphanOrder};
 use super::quality::Quality;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving};
@@ -235,9 +235,9 @@ impl App {
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
             Action::Outside(outside) => self.merge_outside(&outside),
-            Action::MergeOrphan(orphan) => self.effects.push(Effect::ReadOrphan { orphan }),
+            Action::MergeOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Read }),
             Action::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
-            Action::SaveOrphan(orphan) => self.effects.push(Effect::SaveOrphan { orphan }),
+            Action::SaveOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Save }),
             Action::OrphanSaved { document } => {
                 self.session.notify(
                     Level::Info,

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Command;
 use crate::app::OutsideChoice;
-use crate::app::effect::Effect;
+use crate::app::effect::{Effect, Opening, OrphanOrder};
 use crate::app::session::{Dialog, Level, Mode};
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
@@ -64,7 +64,7 @@ impl App {
             OutsideChoice::Replace => self.effects.push(Effect::SaveOver),
             OutsideChoice::TakeTheirs => {
                 self.session.opening = Some("Opening the other version…".to_owned());
-                self.effects.push(Effect::Reopen(open.file.clone()));
+                self.effects.push(Effect::Open(Opening::Again(open.file.clone())));
             }
         }
     }
@@ -93,7 +93,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let merged = edits.merged_into(&open.document);
         if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {
-            self.effects.push(Effect::PutOrphanAway { orphan });
+            self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::PutAway });
         }
     }
 
