@@ -4,7 +4,7 @@ use super::Panel;
 use super::labels::{PlateStyle, plate};
 use super::placement::Placement;
 use egui::{Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
-use touchline_application::app::{Action, App, MaskList};
+use touchline_application::app::{Action, App, EditAction, MaskList};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// The side of a cross, points.
@@ -102,7 +102,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }
         if response.clicked() {
-            panel.actions.push(Action::RemoveMask { list: mask.list, index: mask.index });
+            panel.actions.push(Action::Edit(EditAction::RemoveMask { list: mask.list, index: mask.index }));
         }
     }
 }

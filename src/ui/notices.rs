@@ -9,7 +9,7 @@ use super::{
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;
 use touchline_application::app::session::{Level, Notice, in_row};
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, ViewAction};
 
 /// Information without a button leaves the row after this time, s; not while the pointer is on it.
 const INFO_SECONDS: f64 = 8.0;
@@ -32,7 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let tip = format!("Dismiss: {}", notice.text);
             let palette = ui.palette();
             if symbol::button(ui, Symbol::Cross, &tip, palette.weak).on_hover_text("Dismiss this message.").clicked() {
-                panel.actions.push(Action::DismissNotice(notice.id));
+                panel.actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
             }
         }
         others(app, panel.actions, ui);
@@ -40,7 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         // They are laid out from the right.
         for &(says, command) in notice.offers.iter().rev() {
             if ui.add(Button::new(says).small()).on_hover_text(app.settings.keys.tooltip(command)).clicked() {
-                panel.actions.extend([Action::Command(command), Action::DismissNotice(notice.id)]);
+                panel.actions.extend([Action::Command(command), Action::View(ViewAction::DismissNotice(notice.id))]);
             }
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -95,7 +95,7 @@ fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
         left
     });
     if left <= 0.0 && !hovered {
-        actions.push(Action::DismissNotice(notice.id));
+        actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
     }
     let wait = if left > FADE_SECONDS { left - FADE_SECONDS } else { 0.03 };
     ui.ctx().request_repaint_after(Duration::from_secs_f64(wait.max(0.03)));

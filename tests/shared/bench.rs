@@ -1,7 +1,7 @@
 //! An application with an opened document, driven by actions; what tests of the application share.
 
 use touchline_application::app::operation::{Failure, Job, Operation, Report};
-use touchline_application::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline_application::app::{Action, App, Command, Effect, Opened, PointerAction, Settings};
 use touchline_core::camera::{BaseAngles, CameraBase, PtzCamera};
 use touchline_core::field::builtin;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
@@ -51,8 +51,8 @@ impl Bench {
     }
 
     pub fn click(&mut self, at: ImagePoint) {
-        self.act(Action::Press { at, on: None });
-        self.act(Action::Release);
+        self.act(Action::Pointer(PointerAction::Press { at, on: None }));
+        self.act(Action::Pointer(PointerAction::Release));
     }
 
     /// The request of an operation that was started last.

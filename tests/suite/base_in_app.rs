@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
+use touchline::app::guidance::next_step;
 use touchline::app::operation::{Breakdown, Failure, Report};
 use touchline::app::operations::BaseEstimate;
-use touchline::app::guidance::next_step;
-use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, SolutionSource, Target, document_to_string,
@@ -139,11 +139,11 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
     let clicks = &fixture.app.frame().unwrap().clicks;
     assert!((0..clicks.len()).all(|click| shown.residual(click).is_some()), "a residual for each point");
     assert!(next_step(&fixture.app).text.starts_with("Lines and numbers are those of the estimated base."));
-    fixture.act(Action::GoTo(4));
+    fixture.act(Action::Navigate(Navigation::GoTo(4)));
     let shown = fixture.app.shown();
     assert!(shown.is_estimated && shown.camera.is_none() && shown.solved().is_none() && shown.judgement.is_none());
     assert!(next_step(&fixture.app).text.starts_with("This frame has no points to draw the estimated base with."));
-    fixture.act(Action::GoTo(0));
+    fixture.act(Action::Navigate(Navigation::GoTo(0)));
 }
 
 #[test]
@@ -187,7 +187,14 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     fixture.command(Command::BaseOnPaint);
     assert!(fixture.app.settings.base_on_paint);
     fixture.command(Command::EstimateBase);
-    assert!(fixture.app.operations.base_estimate.running().is_some_and(|work| work.operation().from.contains("painted lines")));
+    assert!(
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .running()
+            .is_some_and(|work| work.operation().from.contains("painted lines"))
+    );
     fixture.command(Command::DropEstimatedBase);
     assert!(is_idle(&fixture.app), "it can be stopped");
     fixture.estimate();
@@ -217,7 +224,7 @@ fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
     let mut fixture = Fixture::at(clicked, folder.join("project.json"));
     fixture.command(Command::BaseOnPaint);
     fixture.estimate();
-    fixture.act(Action::Select(Some(0)));
+    fixture.act(Action::Navigate(Navigation::Select(Some(0))));
     fixture.command(Command::DeleteClick);
     fixture.command(Command::UseEstimatedBase);
     let source = |index: usize| fixture.document().frames[index].solution.as_ref().and_then(|solution| solution.source);
@@ -283,7 +290,7 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
     fixture.command(Command::UseEstimatedBase);
     let mut off = (*fixture.document().cameras[0]).clone();
     off.position_m = off.position_m.map(|position| position + Vec3::new(0.0, 2.0, -1.0));
-    fixture.act(Action::EditCamera(Box::new(off)));
+    fixture.act(Action::Edit(EditAction::Camera(Box::new(off))));
     fixture.estimate();
     let estimate = &fixture.app.operations.base_estimate.proposed().unwrap().estimate;
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
@@ -297,14 +304,14 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
 #[test]
 fn a_frame_is_left_out_and_put_back() {
     let mut fixture = Fixture::on(document(4, 4));
-    fixture.act(Action::UseForBase { frame: 1, used: false });
+    fixture.act(Action::Edit(EditAction::UseForBase { frame: 1, used: false }));
     let text = document_to_string(fixture.document()).unwrap();
     assert!(text.contains("\"use_for_base\": false"), "{text}");
     assert_eq!((fixture.app.base_readiness().frames, fixture.app.base_readiness().left_out), (3, 1));
     fixture.estimate();
     assert_eq!(fixture.app.operations.base_estimate.proposed().unwrap().frames, [0, 2, 3]);
     fixture.command(Command::DropEstimatedBase);
-    fixture.act(Action::UseForBase { frame: 1, used: true });
+    fixture.act(Action::Edit(EditAction::UseForBase { frame: 1, used: true }));
     assert!(!document_to_string(fixture.document()).unwrap().contains("use_for_base"));
     fixture.command(Command::UseForBase);
     assert!(!fixture.document().frames[0].use_for_base, "the command is about the shown frame");
@@ -323,7 +330,7 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
     fixture.estimate();
     let mirrored = fixture.app.operations.base_estimate.proposed().unwrap().estimate.mirrored.clone();
     assert_eq!(mirrored.iter().map(|mirrored| mirrored.frame).collect::<Vec<_>>(), [2]);
-    fixture.act(Action::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry });
+    fixture.act(Action::Edit(EditAction::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry }));
     assert_eq!(fixture.app.session.frame, 2);
     let names: Vec<_> = fixture.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
     let right: Vec<_> = visible(2).into_iter().map(|(target, _)| target).collect();
@@ -341,9 +348,9 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
         (landmarks, last)
     };
     for (count, (target, at)) in landmarks.into_iter().enumerate() {
-        fixture.act(Action::Pick(target));
-        fixture.act(Action::Press { at, on: None });
-        fixture.act(Action::Release);
+        fixture.act(Action::Edit(EditAction::Pick(target)));
+        fixture.act(Action::Pointer(PointerAction::Press { at, on: None }));
+        fixture.act(Action::Pointer(PointerAction::Release));
         if count == 1 {
             assert!(
                 next_step(&fixture.app).text.starts_with("2 of 4 landmarks here"),
@@ -354,8 +361,8 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
     }
     assert!(next_step(&fixture.app).text.ends_with("Done: 1 of 3."));
     assert!(fixture.app.current().preview.is_some(), "the lines show what four landmarks tell");
-    fixture.act(Action::Press { at: last.1, on: None });
-    fixture.act(Action::Release);
+    fixture.act(Action::Pointer(PointerAction::Press { at: last.1, on: None }));
+    fixture.act(Action::Pointer(PointerAction::Release));
     assert_eq!(fixture.app.frame().unwrap().clicks.last().unwrap().target, Some(last.0), "it names itself");
 }
 

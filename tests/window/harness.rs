@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use touchline::app::session::PictureView;
-use touchline::app::{Action, App};
+use touchline::app::{Action, App, TrainerReport};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -230,7 +230,7 @@ impl Window {
             outcome: Ok(answer),
             timings: Timings::default(),
         };
-        self.harness.state_mut().apply([Action::Proposals(vec![proposal])]);
+        self.harness.state_mut().apply([Action::Trainer(TrainerReport::Proposals(vec![proposal]))]);
         self.harness.run_steps(2);
     }
 

@@ -4,7 +4,7 @@ use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
 use egui::{Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
-use touchline::app::Action;
+use touchline::app::{Action, EditAction};
 use touchline::document::Target;
 
 pub const TESTS: &[Test] = tests![
@@ -16,7 +16,7 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     let named =
         ["penalty_mark_left", "penalty_area_far_left_front", "penalty_arc_far_left", "goal_area_far_left_front"];
     for (place, landmark) in named.iter().enumerate() {
-        let pick = Action::Pick(Target::Landmark((*landmark).into()));
+        let pick = Action::Edit(EditAction::Pick(Target::Landmark((*landmark).into())));
         window.harness.state_mut().apply([pick]);
         let shown = named[match place {
             1 => 3,

@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, Filter, Level, SidePanel};
-use touchline::app::{Action, Command, Question};
+use touchline::app::{Action, Command, Question, SettingsAction, ViewAction};
 use touchline::document::{FrameStatus, RejectReason};
 use touchline::exchange::Format;
 use touchline::ui::Shell;
@@ -286,7 +286,7 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let picture = window.harness.get_by_label("Picture").rect();
     let told = |window: &mut Window, level: Level, text: &str| {
-        window.harness.state_mut().apply([Action::Notify(level, text.to_owned())]);
+        window.harness.state_mut().apply([Action::View(ViewAction::Notify(level, text.to_owned()))]);
         window.harness.run_steps(4);
     };
     told(&mut window, Level::Warning, "0412.jpg changed since it was labelled.");
@@ -398,7 +398,7 @@ fn every_control_has_a_name() {
         window.harness.state_mut().apply([Action::Command(dialog)]);
         window.harness.run_steps(3);
         nameless(&window, dialog.name());
-        window.harness.state_mut().apply([Action::CloseDialog]);
+        window.harness.state_mut().apply([Action::View(ViewAction::CloseDialog)]);
         window.harness.run_steps(2);
     }
 }
@@ -505,7 +505,10 @@ fn the_picture_is_made_brighter_and_stays_so_between_frames() {
     window.key(Key::I);
     assert_eq!(window.app().session.dialog, Some(Dialog::PictureLook));
     let look = touchline::scene::PictureLook { gamma: 2.0, ..Default::default() };
-    window.harness.state_mut().apply([Action::SetPictureLook(look), Action::CloseDialog]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Settings(SettingsAction::PictureLook(look)), Action::View(ViewAction::CloseDialog)]);
     window.key(Key::Period);
     window.wait_for(Shell::has_picture);
     window.harness.run_steps(2);
@@ -518,7 +521,7 @@ fn the_picture_is_made_brighter_and_stays_so_between_frames() {
 fn without_a_file_dialog_the_path_is_typed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let file = window.folder.path().join("out.json");
-    window.harness.state_mut().apply([Action::TypePath(Question::ExportAs(Format::Json))]);
+    window.harness.state_mut().apply([Action::View(ViewAction::TypePath(Question::ExportAs(Format::Json)))]);
     window.harness.run_steps(3);
     window.type_text(&file.display().to_string());
     window.key(Key::Enter);

@@ -4,8 +4,8 @@ use super::harness::Window;
 use crate::parts::{Test, tests};
 use egui::{Event, Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable as _;
-use touchline::app::Action;
 use touchline::app::session::Mode;
+use touchline::app::{Action, EditAction};
 use touchline::document::{FrameStatus, RejectReason, Target};
 use touchline::geometry::ImagePoint;
 
@@ -106,7 +106,7 @@ fn a_key_that_was_tapped_holds_nothing() {
 fn two_points_named() -> Window {
     let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     for landmark in ["penalty_area_far_left_front", "centre_circle_halfway_near"] {
-        let pick = Action::Pick(Target::Landmark(landmark.into()));
+        let pick = Action::Edit(EditAction::Pick(Target::Landmark(landmark.into())));
         window.harness.state_mut().apply([pick]);
         window.click(window.image_of(landmark));
     }

@@ -1,8 +1,8 @@
 //! What follows from the document and the session for the frame that is shown: derived, never stored.
 
 use super::OpenProject;
-use super::proposed_base::WithProposal;
 use super::naming::{self, NamingScene, NeighbourClick, TakenName};
+use super::proposed_base::WithProposal;
 use super::review::disagrees;
 use super::session::{Mode, Naming, Session};
 use crate::scene::next_click::{NextClick, next_clicks};
@@ -92,7 +92,13 @@ pub(super) struct FreshSolve {
 
 impl Current {
     /// Derives what has changed since the last time: the shown frame, what is being placed, what is proposed.
-    pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session, fresh: Option<FreshSolve>, proposed: Option<&Arc<EstimatedBase>>) {
+    pub(super) fn refresh(
+        &mut self,
+        open: Option<&mut OpenProject>,
+        session: &Session,
+        fresh: Option<FreshSolve>,
+        proposed: Option<&Arc<EstimatedBase>>,
+    ) {
         let Some(open) = open else {
             *self = Self::default();
             return;

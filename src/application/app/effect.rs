@@ -1,8 +1,8 @@
 //! Effects, which the outside carries out.
 
+use super::TrainerOrder;
 use super::operation::Job;
 use super::session::Question;
-use super::TrainerOrder;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Edit, History};
 
@@ -11,7 +11,7 @@ use touchline_documents::document::{Document, Edit, History};
 pub enum Effect {
     /// Read a document and report `Action::Opened`.
     Open(Opening),
-    /// Read a field template of the user's own and report `Action::TemplateRead`.
+    /// Read a field template of the user's own and report `DiskReport::TemplateRead`.
     ReadTemplate {
         /// The document's file.
         of: PathBuf,
@@ -43,7 +43,7 @@ pub enum Effect {
     },
     /// Write the document although another program changed the file; that version is set aside.
     SaveOver,
-    /// Report what another program made of the document: `Action::Outside`.
+    /// Report what another program made of the document: `DiskReport::Outside`.
     ReadOutside,
     /// Do something with edits that were set aside.
     Orphan {
@@ -67,7 +67,7 @@ pub enum Effect {
     Start(Job),
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
-    /// Read the first camera with a base from a document and report `Action::CameraLoaded`.
+    /// Read the first camera with a base from a document and report `DiskReport::CameraLoaded`.
     LoadCamera(PathBuf),
     /// Ask for a path.
     Ask(Question),

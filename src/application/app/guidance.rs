@@ -263,7 +263,7 @@ fn proposed(frame: &Frame) -> Option<SolutionSource> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Opened, Settings};
+    use crate::app::{Action, EditAction, Navigation, Opened, PointerAction, Settings};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
     use touchline_documents::document::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target};
@@ -294,9 +294,9 @@ mod tests {
     fn click(app: &mut App, landmark: &str, pointed: &PtzCamera) {
         let field = app.current().field().unwrap().clone();
         let at = pointed.image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap();
-        app.update(Action::Pick(Target::Landmark(landmark.into())));
-        app.update(Action::Press { at, on: None });
-        app.update(Action::Release);
+        app.update(Action::Edit(EditAction::Pick(Target::Landmark(landmark.into()))));
+        app.update(Action::Pointer(PointerAction::Press { at, on: None }));
+        app.update(Action::Pointer(PointerAction::Release));
     }
 
     fn said(app: &App) -> String {
@@ -318,8 +318,8 @@ mod tests {
         assert_eq!(said(&app), "Reference saved. 2 more, spread left to right, and proposals become useful.");
         app.update(Action::Command(Command::Reject));
         assert!(said(&app).starts_with("Why is this frame not calibratable?"));
-        app.update(Action::RejectAs(RejectReason::Blur));
-        app.update(Action::GoTo(0));
+        app.update(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
+        app.update(Action::Navigate(Navigation::GoTo(0)));
         assert_eq!(said(&app), "Not calibratable: blur. X removes the mark, N goes on.");
     }
 
@@ -341,17 +341,17 @@ mod tests {
     #[test]
     fn an_unnamed_point_comes_before_anything_else() {
         let mut app = opened(true, 1);
-        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
+        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(300.0, 400.0), on: None }));
         assert!(said(&app).starts_with("Release the button"));
-        app.update(Action::Release);
+        app.update(Action::Pointer(PointerAction::Release));
         assert!(said(&app).starts_with("What is it?"), "{}", said(&app));
-        app.update(Action::TypeName("zzz".to_owned()));
+        app.update(Action::Navigate(Navigation::TypeName("zzz".to_owned())));
         assert!(said(&app).starts_with("Nothing matches “zzz”."));
         app.session.mode = Mode::Idle;
         assert!(said(&app).starts_with("Point 1 has no name"));
         // The point that it speaks of is the one that is named, whichever is selected.
-        app.update(Action::Press { at: ImagePoint::new(600.0, 300.0), on: None });
-        app.update(Action::Release);
+        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(600.0, 300.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Release));
         app.session.mode = Mode::Idle;
         app.session.selected = Some(1);
         let (_, offered) = next_step(&app).offers[0];

@@ -5,7 +5,6 @@
 //! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as plain data.
 
 mod action;
-mod action_kind;
 pub mod camera_text;
 mod choices;
 mod command;
@@ -48,8 +47,7 @@ mod versioned;
 pub mod video;
 pub mod where_to_label;
 
-pub use action::Action;
-pub use action_kind::ActionKind;
+pub use action::{Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction};
 pub use choices::{CameraChoice, MaskList, MaskScope};
 pub use command::Command;
 pub use command_kind::CommandKind;
@@ -67,11 +65,11 @@ pub use session::Question;
 pub use settings::{Settings, WindowPlace};
 pub use shown::Shown;
 pub use trainer::{
-    Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference, describe_left,
+    Doing, ForestFacts, Share, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference,
+    describe_left,
 };
 pub use update::MAX_SCALE;
 pub use versioned::Versioned;
-pub use video::VideoAction;
 
 use current::FreshSolve;
 use operation::{Report, RequestId};

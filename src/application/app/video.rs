@@ -1,6 +1,4 @@
-//! What the window knows about the video it shows, and what changes that.
-
-use super::place::Place;
+//! What the window knows about the video it shows.
 
 /// What is done with the video of the shown frame; not saved, not undone.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,24 +19,4 @@ impl Default for PlaySpeed {
     fn default() -> Self {
         Self(1.0)
     }
-}
-
-/// What changes state in the matter of a video.
-#[derive(Clone, Debug, PartialEq)]
-pub enum VideoAction {
-    /// A cut of the shown frame's video is moved.
-    MoveCut {
-        /// The first frame of the shot that begins there, as the video counts.
-        cut: u64,
-        /// The first frame of that shot from now on.
-        to: u64,
-    },
-    /// The video is played at this speed.
-    SetSpeed(PlaySpeed),
-    /// The end is reached, or something else is done: the video stands.
-    Pause,
-    /// The frame or the time that was typed is shown.
-    GoToPlace(Place),
-    /// The shown frame's picture is on its way, or is there.
-    PictureAwaited(bool),
 }

@@ -48,7 +48,7 @@ pub use saver::{Revision, Saver, SaverOptions, SaverReport};
 pub use settings_file::{SettingsError, load_settings, save_settings, settings_path};
 pub use shared_pictures::SharedPictures;
 pub use thumbnails::{ThumbnailReport, Thumbnails};
-pub use trainer::{Trainer, TrainerOptions, TrainerReport};
+pub use trainer::{Trainer, TrainerOptions};
 
 use self::panicked::panic_message;
 use std::sync::Arc;

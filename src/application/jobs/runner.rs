@@ -4,11 +4,11 @@ use super::opening::{Ready, open_anything};
 use super::tasks::{camera_with_base, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
-    TrainerOptions, TrainerReport, Wake, demo,
+    TrainerOptions, Wake, demo,
 };
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
-use crate::app::{Action, Effect, Opening, OrphanOrder, Question};
+use crate::app::{Action, DiskReport, Effect, Opening, OrphanOrder, Question, ViewAction};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -121,7 +121,7 @@ impl Runner {
             Effect::Open(opening) => self.open(opening),
             Effect::ReadTemplate { of, folder, name } => self.begin("field template", Kind::Other, move |_| {
                 let template = template_named(&name, &folder).map(Box::new);
-                Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
+                Ok(Outcome::Action(Action::Disk(DiskReport::TemplateRead { of, name, template })))
             }),
             Effect::CancelOpening => {
                 self.give_up(|kind| kind == Kind::Opening);
@@ -134,7 +134,9 @@ impl Runner {
             }
             Effect::Journal { edit, revision } => match &self.saver {
                 Some(saver) => saver.edit(edit, revision),
-                None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
+                None => {
+                    self.reports.push(Action::Disk(DiskReport::SaveFailed("nothing is open for writing".to_owned())))
+                }
             },
             Effect::JournalWhole { document, history, revision } => {
                 self.tell_saver(|saver| saver.whole(*document, *history, revision));
@@ -145,10 +147,11 @@ impl Runner {
             Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
             Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
                 save_copy(document.at(&from), &folder)?;
-                Ok(Outcome::Action(Action::Copied(folder)))
+                Ok(Outcome::Action(Action::Disk(DiskReport::Copied(folder))))
             }),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
-                camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
+                camera_with_base(&path)
+                    .map(|camera| Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera)))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),
@@ -173,11 +176,15 @@ impl Runner {
                         actions.push(action);
                     }
                     BackgroundReport::Done(Err(JobError::AlreadyOpen { file })) => {
-                        actions.push(Action::AlreadyOpen(file));
+                        actions.push(Action::Disk(DiskReport::AlreadyOpen(file)));
                     }
-                    BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
+                    BackgroundReport::Done(Err(error)) => {
+                        actions.push(Action::Disk(DiskReport::Failed(error.to_string())))
+                    }
                     BackgroundReport::Panicked(message) => {
-                        actions.push(Action::Failed(format!("internal error (please report it): {message}")));
+                        actions.push(Action::Disk(DiskReport::Failed(format!(
+                            "internal error (please report it): {message}"
+                        ))));
                     }
                 }
             }
@@ -187,16 +194,7 @@ impl Runner {
             (self.wake)();
         }
         let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
-        actions.extend(reports.into_iter().map(|report| match report {
-            TrainerReport::Status(status) => Action::Trainer(status),
-            TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
-            TrainerReport::Carried(carried) => Action::CarriedProposals(carried),
-            TrainerReport::Features(used) => Action::Features(used),
-            TrainerReport::Broken { message } => {
-                let text = format!("The trainer stopped: internal error (please report it): {message}");
-                Action::Notify(Level::Error, text)
-            }
-        }));
+        actions.extend(reports.into_iter().map(Action::Trainer));
         let reports = self.saver.as_ref().map(Saver::reports).unwrap_or_default();
         actions.extend(reports.into_iter().flat_map(actions_of));
         actions
@@ -210,7 +208,7 @@ impl Runner {
         let mut actions = self.close();
         actions.push(match self.start_saver(ready) {
             Ok(opened) => opened,
-            Err(error) => Action::Failed(error.to_string()),
+            Err(error) => Action::Disk(DiskReport::Failed(error.to_string())),
         });
         actions
     }
@@ -220,14 +218,14 @@ impl Runner {
         self.trainer = None;
         self.held = None;
         let failure = |action: Action| match action {
-            Action::SaveFailed(_) => Some(action),
+            Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
             // Nobody is left to ask.
-            Action::ChangedOutside { path, own: Some(own) } => {
-                Some(Action::Notify(Level::Warning, kept_own(&path, &own)))
+            Action::Disk(DiskReport::ChangedOutside { path, own: Some(own) }) => {
+                Some(Action::View(ViewAction::Notify(Level::Warning, kept_own(&path, &own))))
             }
             // There was no time to give it the document.
-            Action::WholeWanted => {
-                Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
+            Action::Disk(DiskReport::WholeWanted) => {
+                Some(Action::Disk(DiskReport::SaveFailed("the last edits do not fit what was saved before".to_owned())))
             }
             _ => None,
         };
@@ -297,7 +295,7 @@ impl Runner {
             Ok(trainer) => self.trainer = Some(trainer),
             Err(error) => {
                 let text = format!("The system could not start a thread for the trainer: {error}");
-                self.reports.push(Action::Notify(Level::Warning, text));
+                self.reports.push(Action::View(ViewAction::Notify(Level::Warning, text)));
             }
         }
     }
@@ -313,7 +311,7 @@ impl Runner {
         }
         let held = self.held.clone();
         self.begin("open", Kind::Opening, move |watch| {
-            let tell = |text| watch.tell(Action::Progress(text));
+            let tell = |text| watch.tell(Action::Disk(DiskReport::Progress(text)));
             let path = match opening {
                 Opening::Path(path) | Opening::Again(path) => path,
                 Opening::Demo => demo::fresh_copy(&tell)?,
@@ -329,12 +327,14 @@ impl Runner {
             Ok(Outcome::Action(match order {
                 OrphanOrder::Read => {
                     let edits = Box::new(read_orphan(&location, &orphan)?);
-                    Action::OrphanRead { orphan, edits }
+                    Action::Disk(DiskReport::OrphanRead { orphan, edits })
                 }
-                OrphanOrder::Save => Action::OrphanSaved { document: save_orphan(&location, &orphan)? },
+                OrphanOrder::Save => {
+                    Action::Disk(DiskReport::OrphanSaved { document: save_orphan(&location, &orphan)? })
+                }
                 OrphanOrder::PutAway => {
                     let renamed = put_orphan_away(&location, &orphan)?;
-                    Action::OrphanPutAway { orphan, renamed }
+                    Action::Disk(DiskReport::OrphanPutAway { orphan, renamed })
                 }
             }))
         });
@@ -357,7 +357,7 @@ impl Runner {
             Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
             Err(source) => {
                 let error = JobError::NoThread { what: format!("“{name}”"), source };
-                self.reports.push(Action::Failed(error.to_string()));
+                self.reports.push(Action::Disk(DiskReport::Failed(error.to_string())));
             }
         }
     }
@@ -365,19 +365,25 @@ impl Runner {
 
 fn actions_of(report: SaverReport) -> Vec<Action> {
     match report {
-        SaverReport::Journaled { revision, at } => vec![Action::Saved { revision, at: clock(at), document: None }],
+        SaverReport::Journaled { revision, at } => {
+            vec![Action::Disk(DiskReport::Saved { revision, at: clock(at), document: None })]
+        }
         SaverReport::Saved { revision, at, request, set_aside } => {
             let said = set_aside.map(|path| {
                 let text = format!("Another program changed the document; its version is kept as {}.", path.display());
-                Action::Notify(Level::Warning, text)
+                Action::View(ViewAction::Notify(Level::Warning, text))
             });
-            said.into_iter().chain([Action::Saved { revision, at: clock(at), document: Some(request) }]).collect()
+            said.into_iter()
+                .chain([Action::Disk(DiskReport::Saved { revision, at: clock(at), document: Some(request) })])
+                .collect()
         }
-        SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
-        SaverReport::ChangedOutside { path, own } => vec![Action::ChangedOutside { path, own }],
-        SaverReport::Outside(outside) => vec![Action::Outside(outside)],
-        SaverReport::NeedsWhole => vec![Action::WholeWanted],
-        SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving failed: {message}"))],
+        SaverReport::Failed { error, .. } => vec![Action::Disk(DiskReport::SaveFailed(error.to_string()))],
+        SaverReport::ChangedOutside { path, own } => vec![Action::Disk(DiskReport::ChangedOutside { path, own })],
+        SaverReport::Outside(outside) => vec![Action::Disk(DiskReport::Outside(outside))],
+        SaverReport::NeedsWhole => vec![Action::Disk(DiskReport::WholeWanted)],
+        SaverReport::Broken { message } => {
+            vec![Action::Disk(DiskReport::SaveFailed(format!("saving failed: {message}")))]
+        }
     }
 }
 
@@ -492,9 +498,9 @@ mod tests {
         let mut bench = Bench::new();
         let folder = project(1);
         bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
-        bench
-            .runner
-            .begin("word", Kind::Other, |_| Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned()))));
+        bench.runner.begin("word", Kind::Other, |_| {
+            Ok(Outcome::Action(Action::View(ViewAction::Notify(Level::Info, "a word".to_owned()))))
+        });
         let mut batches = Vec::new();
         while bench.runner.is_busy() {
             bench.woken.recv().unwrap();
@@ -524,7 +530,7 @@ mod tests {
         let (go_on, wait) = channel();
         bench.runner.begin("read", Kind::Beside, move |_| {
             let _: Result<(), _> = wait.recv();
-            Ok(Outcome::Action(Action::Notify(Level::Info, "of another document".to_owned())))
+            Ok(Outcome::Action(Action::View(ViewAction::Notify(Level::Info, "of another document".to_owned()))))
         });
         bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
         while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {

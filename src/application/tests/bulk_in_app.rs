@@ -6,7 +6,9 @@ use std::sync::Mutex;
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::BulkSolving;
 use touchline_application::app::selection::Scope;
-use touchline_application::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
+use touchline_application::app::{
+    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
+};
 use touchline_application::jobs::SharedPictures;
 use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
@@ -64,7 +66,7 @@ fn open(document: Document) -> App {
 fn higher(app: &App, height_m: f64) -> Action {
     let mut camera = (*app.open().unwrap().document.cameras[0]).clone();
     camera.set_base(&base(height_m));
-    Action::EditCamera(Box::new(camera))
+    Action::Edit(EditAction::Camera(Box::new(camera)))
 }
 
 fn ordered(effects: Vec<Effect>) -> Option<Job> {
@@ -111,9 +113,9 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
     assert_eq!(*now(&app), before, "nothing has changed yet");
     assert!(app.operations.bulk_solve.is_running() && app.why_not(Command::StopSolving).is_none());
 
-    app.update(Action::GoTo(EDITED));
-    app.update(Action::Select(Some(0)));
-    app.update(Action::Nudge { dx_px: 3.0, dy_px: 0.0, held: false });
+    app.update(Action::Navigate(Navigation::GoTo(EDITED)));
+    app.update(Action::Navigate(Navigation::Select(Some(0))));
+    app.update(Action::Edit(EditAction::Nudge { dx_px: 3.0, dy_px: 0.0, held: false }));
     let clicks = now(&app).frames[EDITED].clicks.clone();
     assert_ne!(clicks, before.frames[EDITED].clicks);
     let edited = now(&app).clone();
@@ -183,14 +185,14 @@ fn a_drag_is_not_cut_in_two() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).unwrap();
-    app.update(Action::GoTo(EDITED));
+    app.update(Action::Navigate(Navigation::GoTo(EDITED)));
     let at = app.frame().unwrap().clicks[0].image;
-    app.update(Action::Press { at, on: Some(0) });
-    app.update(Action::Drag(ImagePoint::new(at.x + 2.0, at.y)));
+    app.update(Action::Pointer(PointerAction::Press { at, on: Some(0) }));
+    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 2.0, at.y))));
     app.update(solved(&order));
     assert_eq!(height_m(now(&app)), 18.0, "it waits for the end of the drag");
-    app.update(Action::Drag(ImagePoint::new(at.x + 5.0, at.y)));
-    app.update(Action::Release);
+    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 5.0, at.y))));
+    app.update(Action::Pointer(PointerAction::Release));
     assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.5, at.x + 5.0));
     app.update(Action::Command(Command::Undo));
     assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.0, at.x + 5.0));
@@ -222,11 +224,14 @@ fn a_frame_that_is_given_away_while_it_is_edited_keeps_its_edit_and_gets_its_cam
     second.set_base(&base(21.0));
     document.cameras.push(second.into());
     let mut app = open(document);
-    app.update(Action::GoTo(3));
-    let give = Action::AssignToCamera { scope: Scope::Onwards, camera: CameraChoice::Known("second".into()) };
+    app.update(Action::Navigate(Navigation::GoTo(3)));
+    let give = Action::Edit(EditAction::AssignToCamera {
+        scope: Scope::Onwards,
+        camera: CameraChoice::Known("second".into()),
+    });
     let order = ordered(app.update(give)).expect("many frames");
-    app.update(Action::GoTo(EDITED));
-    app.update(Action::SetComment("rain".to_owned()));
+    app.update(Action::Navigate(Navigation::GoTo(EDITED)));
+    app.update(Action::Edit(EditAction::SetComment("rain".to_owned())));
     app.update(solved(&order));
     let frames = &now(&app).frames;
     assert!((3..FRAMES).all(|index| frames[index].camera.as_str() == "second"));
@@ -259,8 +264,8 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     app.update(Action::Command(Command::ClickAgain));
     let asked = app.round().and_then(|round| round.asked().cloned()).expect("a round");
     let at = now(&app).frames[asked.frame].clicks[0].image;
-    app.update(Action::Press { at, on: None });
-    app.update(Action::Release);
+    app.update(Action::Pointer(PointerAction::Press { at, on: None }));
+    app.update(Action::Pointer(PointerAction::Release));
     let repeats = |app: &App| now(app).frames[EDITED].repeats.len();
     assert_eq!(repeats(&app), 1);
     app.update(solved(&order));
@@ -277,7 +282,7 @@ fn a_mask_that_is_drawn_meanwhile_stays() {
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).expect("many frames");
     let mask = PixelBox { x: 60.0, y: 40.0, width: 300.0, height: 50.0 };
-    app.update(Action::AddMask { of_camera: true, mask });
+    app.update(Action::Edit(EditAction::AddMask { of_camera: true, mask }));
     let again = ordered(app.update(solved(&order))).expect("the camera changed meanwhile: it is worked out again");
     app.update(solved(&again));
     assert_eq!((height_m(now(&app)), &now(&app).cameras[0].masks[..]), (18.5, &[mask][..]));

@@ -16,7 +16,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Notice, Saving};
-use touchline_application::app::{Action, App, Command, OutsideChoice};
+use touchline_application::app::{
+    Action, App, Command, EditAction, Navigation, OutsideChoice, TrainerReport, ViewAction,
+};
 use touchline_calibration::calibrate::{check_solutions, solve_document};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
@@ -143,14 +145,14 @@ impl World {
 
     fn edit(&mut self, window: &mut Headless) {
         let frame = self.random.random_range(0..FRAMES);
-        window.act(Action::CloseDialog);
-        window.act(Action::GoTo(frame));
+        window.act(Action::View(ViewAction::CloseDialog));
+        window.act(Action::Navigate(Navigation::GoTo(frame)));
         let mark = self.mark();
         self.tell(format!("comment {mark} on {frame}"));
         for taken_back in marks(window.app.frame().unwrap()) {
             self.live.remove(&taken_back);
         }
-        window.act(Action::SetComment(mark.clone()));
+        window.act(Action::Edit(EditAction::SetComment(mark.clone())));
         if self.random.random_range(0..3) == 0 {
             window.act(Action::Command(Command::AcceptAndStay));
         }
@@ -160,7 +162,7 @@ impl World {
 
     fn undo(&mut self, window: &mut Headless) {
         self.tell("undo");
-        window.act(Action::CloseDialog);
+        window.act(Action::View(ViewAction::CloseDialog));
         let before = marks_in(&window.app);
         for _ in 0..2 {
             window.act(Action::Command(Command::Undo));
@@ -178,7 +180,7 @@ impl World {
         let document = window.app.open().unwrap().document.clone();
         let pan_deg = self.random.random_range(-6.0..6.0);
         let proposals = (0..FRAMES).map(|frame| proposal_in(&document, frame, self.made as u64 + 1, Some(pan_deg)));
-        window.act(Action::Proposals(proposals.collect()));
+        window.act(Action::Trainer(TrainerReport::Proposals(proposals.collect())));
         settle(window);
     }
 
@@ -260,7 +262,7 @@ impl World {
     }
 
     fn merge_set_aside(&mut self, window: &mut Headless) {
-        window.act(Action::CloseDialog);
+        window.act(Action::View(ViewAction::CloseDialog));
         let Some(orphan) = window.app.session.orphans.first().map(|orphan| orphan.path.clone()) else { return };
         self.tell(format!("merge {}", orphan.file_name().unwrap().to_string_lossy()));
         let before = marks_in(&window.app);
@@ -371,7 +373,7 @@ fn leave(window: &mut Headless, how: impl Fn() -> Action) {
         window.wait_until("leaving or a question", |app| app.session.leaving.is_none() || is_asked(app));
     }
     if is_asked(&window.app) {
-        window.act(Action::CloseDialog);
+        window.act(Action::View(ViewAction::CloseDialog));
         window.act(how());
         window.act(Action::LeaveUnsaved);
     }

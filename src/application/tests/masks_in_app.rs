@@ -4,7 +4,9 @@ use crate::bench::{Bench, SIZE};
 use touchline_application::app::operation::Report;
 use touchline_application::app::operations::BurntInSearch;
 use touchline_application::app::session::{Level, SidePanel};
-use touchline_application::app::{Action, App, Command, MaskList, MaskScope, Opened, Settings};
+use touchline_application::app::{
+    Action, App, Command, EditAction, MaskList, MaskScope, Navigation, Opened, Settings, ViewAction,
+};
 use touchline_calibration::proposals::FoundMask;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{
@@ -68,7 +70,7 @@ fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     assert!(notice.text.contains("burned in") && notice.text.contains("300 × 50 px at 60, 40"), "{}", notice.text);
     assert_eq!(notice.offers.iter().map(|(says, _)| *says).collect::<Vec<_>>(), ["Keep", "Change"]);
     assert_eq!(bench.app.asked_masks(), [BUG], "shown on the picture");
-    bench.act(Action::GoTo(7));
+    bench.act(Action::Navigate(Navigation::GoTo(7)));
     assert!(bench.app.asked_masks().is_empty(), "not where it is not shown");
     bench.command(Command::KeepBurntIn);
     assert_eq!(ranged(&bench.app), [(None, Some(499), MaskSource::Found)]);
@@ -87,7 +89,7 @@ fn change_keeps_them_and_opens_the_masks() {
     bench.command(Command::ChangeBurntIn);
     assert_eq!(ranged(&bench.app).len(), 1);
     assert!(bench.app.session.masks && bench.app.session.panel == SidePanel::Camera);
-    bench.act(Action::RemoveMask { list: MaskList::Ranged, index: 0 });
+    bench.act(Action::Edit(EditAction::RemoveMask { list: MaskList::Ranged, index: 0 }));
     assert!(ranged(&bench.app).is_empty());
 }
 
@@ -96,7 +98,7 @@ fn change_keeps_them_and_opens_the_masks() {
 fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     let mut bench = bench_with_found();
     let id = bench.app.session.notices[0].id;
-    bench.act(Action::DismissNotice(id));
+    bench.act(Action::View(ViewAction::DismissNotice(id)));
     assert!(bench.app.asked_masks().is_empty());
     assert!(bench.app.why_not(Command::KeepBurntIn).is_none(), "the menu still offers it");
     bench.command(Command::KeepBurntIn);
@@ -111,14 +113,15 @@ fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
 #[test]
 fn a_mask_by_hand_is_for_a_frame_a_shot_a_range_or_all() {
     let mut bench = Bench::new(video());
-    let scope = |bench: &mut Bench, list, scope| bench.act(Action::ScopeMask { list, index: 0, scope });
-    bench.act(Action::GoTo(2));
-    bench.act(Action::AddMask { of_camera: false, mask: BUG });
+    let scope =
+        |bench: &mut Bench, list, scope| bench.act(Action::Edit(EditAction::ScopeMask { list, index: 0, scope }));
+    bench.act(Action::Navigate(Navigation::GoTo(2)));
+    bench.act(Action::Edit(EditAction::AddMask { of_camera: false, mask: BUG }));
     scope(&mut bench, MaskList::Frame, MaskScope::Shot);
     assert_eq!(ranged(&bench.app), [(Some(0), Some(500), MaskSource::ByHand)]);
     scope(&mut bench, MaskList::Ranged, MaskScope::FromHere);
     assert_eq!(ranged(&bench.app), [(Some(200), Some(500), MaskSource::ByHand)]);
-    bench.act(Action::GoTo(4));
+    bench.act(Action::Navigate(Navigation::GoTo(4)));
     scope(&mut bench, MaskList::Ranged, MaskScope::UpToHere);
     assert_eq!(ranged(&bench.app), [(Some(200), Some(400), MaskSource::ByHand)]);
     let covered = |bench: &Bench| {
@@ -142,12 +145,12 @@ fn images_have_no_range_in_time_but_a_shot() {
         (frame.image, frame.video) = (Some(format!("{index}.jpg")), None);
     }
     let mut bench = Bench::new(document);
-    bench.act(Action::GoTo(8));
-    bench.act(Action::AddMask { of_camera: true, mask: BUG });
+    bench.act(Action::Navigate(Navigation::GoTo(8)));
+    bench.act(Action::Edit(EditAction::AddMask { of_camera: true, mask: BUG }));
     assert!(bench.app.why_not_scope(MaskScope::FromHere).is_some());
-    bench.act(Action::ScopeMask { list: MaskList::Camera, index: 0, scope: MaskScope::FromHere });
+    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Camera, index: 0, scope: MaskScope::FromHere }));
     assert_eq!(bench.app.open().unwrap().document.cameras[0].masks, [BUG], "refused");
-    bench.act(Action::ScopeMask { list: MaskList::Camera, index: 0, scope: MaskScope::Shot });
+    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Camera, index: 0, scope: MaskScope::Shot }));
     let document = &bench.app.open().unwrap().document;
     let covered: Vec<usize> = document.frames.iter().map(|frame| frame.masks.len()).collect();
     assert_eq!(covered, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1]);

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
-use touchline_application::app::{Action, Command, OutsideChoice, Question};
+use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, Question, ViewAction};
 use touchline_application::jobs::Request;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FieldSpec, Frame};
@@ -25,8 +25,8 @@ fn new_project() -> (TempDir, PathBuf) {
 
 /// Writes a comment on a frame.
 fn comment(headless: &mut Headless, frame: usize, text: &str) {
-    headless.act(Action::GoTo(frame));
-    headless.act(Action::SetComment(text.to_owned()));
+    headless.act(Action::Navigate(Navigation::GoTo(frame)));
+    headless.act(Action::Edit(EditAction::SetComment(text.to_owned())));
 }
 
 fn wait_until_saved(headless: &mut Headless) {
@@ -66,7 +66,7 @@ fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
             headless.act(close());
             assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
             assert!(!headless.requests.contains(&Request::Close), "nothing goes unasked");
-            headless.act(Action::CloseDialog);
+            headless.act(Action::View(ViewAction::CloseDialog));
         }
         headless.act(close());
         headless.act(Action::LeaveUnsaved);
@@ -173,7 +173,7 @@ fn changes_of_another_program_are_merged() {
 fn a_version_of_another_program_is_replaced_and_kept_beside() {
     let (_root, path) = new_project();
     let mut headless = changed_outside(&path);
-    headless.act(Action::CloseDialog);
+    headless.act(Action::View(ViewAction::CloseDialog));
     headless.act(Action::CloseRequested);
     assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)), "nothing goes unasked");
     headless.act(Action::AskOutside);

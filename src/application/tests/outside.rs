@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
-use touchline_application::app::{Action, Command, OutsideChoice};
+use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, PointerAction, ViewAction};
 use touchline_application::jobs::Request;
 use touchline_calibration::calibrate::check_solutions;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -32,13 +32,13 @@ pub fn new_project(frames: usize) -> (TempDir, PathBuf) {
 
 /// Clicks two landmarks in a frame and accepts it.
 pub fn accept(headless: &mut Headless, frame: usize, pan_deg: f64) {
-    headless.act(Action::GoTo(frame));
+    headless.act(Action::Navigate(Navigation::GoTo(frame)));
     let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -14.0, 2300.0));
     for landmark in ["centre_mark", "halfway_far"] {
-        headless.act(Action::Press { at: landmark_in(&camera, landmark), on: None });
-        headless.act(Action::Release);
+        headless.act(Action::Pointer(PointerAction::Press { at: landmark_in(&camera, landmark), on: None }));
+        headless.act(Action::Pointer(PointerAction::Release));
         let click = headless.app.frame().unwrap().clicks.len() - 1;
-        headless.act(Action::Name { click, target: Target::Landmark(landmark.into()) });
+        headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
     }
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(headless.app.open().unwrap().document.frames[frame].status, FrameStatus::Reference);
@@ -119,9 +119,9 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     let listed: Vec<_> = headless.app.session.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
     assert_eq!(listed, ["Changes in 0.jpg"]);
     // Edits that come after it are kept as well.
-    headless.act(Action::CloseDialog);
-    headless.act(Action::GoTo(1));
-    headless.act(Action::SetComment("mine".to_owned()));
+    headless.act(Action::View(ViewAction::CloseDialog));
+    headless.act(Action::Navigate(Navigation::GoTo(1)));
+    headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
     headless.act(Action::ResolveOutside(OutsideChoice::TakeTheirs));
     headless.wait_until("the other version", |app| {
         app.open().unwrap().document.frames[1].comment.as_deref() == Some("theirs")
@@ -165,7 +165,7 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
         headless.wait_until("the question", |app| app.session.dialog == Some(Dialog::ChangedOutside));
         assert!(headless.app.session.opening.is_none() && !headless.requests.contains(&Request::Close));
         assert!(path.join("project.json.mine-1").exists());
-        headless.act(Action::CloseDialog);
+        headless.act(Action::View(ViewAction::CloseDialog));
         headless.act(leave());
         assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(leaving.clone())), "nothing goes unasked");
         headless.act(Action::LeaveUnsaved);
@@ -205,8 +205,8 @@ fn a_proposal_beats_no_label_of_another_person() {
     let (_root, path) = new_project(3);
     write_outside(&path, |document| document.frames.iter_mut().for_each(|frame| propose(frame)));
     let mut headless = Headless::opened(&path);
-    headless.act(Action::GoTo(2));
-    headless.act(Action::SetComment("mine".to_owned()));
+    headless.act(Action::Navigate(Navigation::GoTo(2)));
+    headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
     headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
     // The colleague accepts the first two.
     let accepted = {

@@ -2,7 +2,7 @@
 
 use crate::headless::Headless;
 use touchline_application::app::session::Saving;
-use touchline_application::app::{Action, Command, Question};
+use touchline_application::app::{Action, Command, EditAction, PointerAction, Question};
 use touchline_application::jobs::PictureState;
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -24,10 +24,10 @@ fn click(headless: &mut Headless, landmark: &str) {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let landmark = field.landmark(landmark).unwrap();
     let at = truth().image_from_world(field.landmark_in_world(landmark)).unwrap();
-    headless.act(Action::Press { at, on: None });
-    headless.act(Action::Release);
+    headless.act(Action::Pointer(PointerAction::Press { at, on: None }));
+    headless.act(Action::Pointer(PointerAction::Release));
     let click = headless.app.frame().unwrap().clicks.len() - 1;
-    headless.act(Action::Name { click, target: Target::Landmark(landmark.id.clone()) });
+    headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.id.clone()) }));
 }
 
 #[test]
@@ -54,9 +54,9 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     click(&mut headless, "centre_mark");
     click(&mut headless, "halfway_far");
     let at = headless.app.frame().unwrap().clicks[1].image;
-    headless.act(Action::Press { at, on: Some(1) });
-    headless.act(Action::Drag(ImagePoint::new(at.x + 9.0, at.y)));
-    headless.act(Action::Release);
+    headless.act(Action::Pointer(PointerAction::Press { at, on: Some(1) }));
+    headless.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 9.0, at.y))));
+    headless.act(Action::Pointer(PointerAction::Release));
     headless.act(Action::Command(Command::Undo));
     let ptz = headless.app.frame().unwrap().ptz.as_ref().unwrap().ptz();
     assert!((ptz.focal_px - 760.0).abs() < 1e-6, "{ptz:?}");

@@ -4,7 +4,7 @@
 use touchline_application::app::operation::{Failure, Job, Operation, Report};
 use touchline_application::app::operations::{BurntInSearch, FoundShots, ShotSearch};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Command, Effect, Opened, Settings, VideoAction};
+use touchline_application::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, Settings};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame};
 use touchline_vision::media::MediaError;
@@ -83,12 +83,12 @@ fn shots_are_marked_in_one_step_once_a_drag_is_over() {
     let mut app = App::new(Settings::default());
     let effects = app.update(Action::Opened(Box::new(Opened::new(document(), "/match/project.json"))));
     let [search, other] = [started::<ShotSearch>(&effects), started::<BurntInSearch>(&effects)].map(Option::unwrap);
-    app.update(Action::BeginEdit("Pan"));
+    app.update(Action::Edit(EditAction::Begin("Pan")));
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
     app.update(ended(&other, Ok(FoundShots { last: FRAMES - 1, cuts: vec![(12, ShotKind::Cut)] })));
     app.update(ended(&search, Ok(found)));
     assert_eq!((starts(&app), &app.session.mode), (vec![], &Mode::Editing));
-    app.update(Action::EndEdit);
+    app.update(Action::Edit(EditAction::End));
     assert_eq!(starts(&app), [0, 10]);
     undo(&mut app);
     assert_eq!(starts(&app), [0; 0]);
@@ -110,17 +110,17 @@ fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
 #[test]
 fn a_cut_is_added_moved_and_removed() {
     let mut app = with_shots();
-    app.update(Action::GoTo(15));
+    app.update(Action::Navigate(Navigation::GoTo(15)));
     app.update(Action::Command(Command::AddCut));
     assert_eq!(starts(&app), [0, 10, 15, 20]);
-    app.update(Action::Video(VideoAction::MoveCut { cut: 15, to: 17 }));
+    app.update(Action::Edit(EditAction::MoveCut { cut: 15, to: 17 }));
     assert_eq!(starts(&app), [0, 10, 17, 20]);
-    app.update(Action::Video(VideoAction::MoveCut { cut: 17, to: 25 }));
+    app.update(Action::Edit(EditAction::MoveCut { cut: 17, to: 25 }));
     assert_eq!(starts(&app), [0, 10, 17, 20], "a cut does not pass another");
-    app.update(Action::GoTo(18));
+    app.update(Action::Navigate(Navigation::GoTo(18)));
     app.update(Action::Command(Command::RemoveCut));
     assert_eq!(starts(&app), [0, 10, 20]);
-    app.update(Action::GoTo(2));
+    app.update(Action::Navigate(Navigation::GoTo(2)));
     app.update(Action::Command(Command::RemoveCut));
     assert_eq!(starts(&app), [0, 10, 20], "before the first shot is none");
     for expected in [vec![0, 10, 17, 20], vec![0, 10, 15, 20], vec![0, 10, 20], vec![]] {
@@ -132,9 +132,9 @@ fn a_cut_is_added_moved_and_removed() {
 #[test]
 fn a_whole_shot_is_rejected_in_one_step_and_stepped_over() {
     let mut app = with_shots();
-    app.update(Action::GoTo(14));
+    app.update(Action::Navigate(Navigation::GoTo(14)));
     app.update(Action::Command(Command::RejectShot));
-    app.update(Action::RejectAs(RejectReason::Replay));
+    app.update(Action::Edit(EditAction::RejectAs(RejectReason::Replay)));
     let rejected = |app: &App| {
         let frames = &app.open().unwrap().document.frames;
         frames
@@ -145,12 +145,12 @@ fn a_whole_shot_is_rejected_in_one_step_and_stepped_over() {
             .collect::<Vec<_>>()
     };
     assert_eq!(rejected(&app), (10..20).collect::<Vec<_>>());
-    app.update(Action::GoTo(14));
+    app.update(Action::Navigate(Navigation::GoTo(14)));
     app.update(Action::Command(Command::Undo));
     assert_eq!(rejected(&app), [0; 0]);
     app.update(Action::Command(Command::NextShot));
     assert_eq!(app.session.frame, 20);
-    app.update(Action::GoTo(14));
+    app.update(Action::Navigate(Navigation::GoTo(14)));
     app.update(Action::Command(Command::PreviousShot));
     app.update(Action::Command(Command::PreviousShot));
     assert_eq!(app.session.frame, 0);
@@ -165,12 +165,12 @@ fn nothing_is_accepted_before_its_picture_is_there() {
     ));
     document.frames[4].status = FrameStatus::Suggested;
     let (mut app, _) = opened(document);
-    app.update(Action::GoTo(4));
-    app.update(Action::Video(VideoAction::PictureAwaited(true)));
+    app.update(Action::Navigate(Navigation::GoTo(4)));
+    app.update(Action::PictureAwaited(true));
     app.update(Action::Command(Command::AcceptAndStay));
     assert_eq!(app.frame().unwrap().status, FrameStatus::Suggested);
     assert!(app.unacceptable().unwrap().contains("picture"));
-    app.update(Action::Video(VideoAction::PictureAwaited(false)));
+    app.update(Action::PictureAwaited(false));
     app.update(Action::Command(Command::AcceptAndStay));
     assert_eq!(app.frame().unwrap().status, FrameStatus::Reference);
 }
@@ -178,9 +178,9 @@ fn nothing_is_accepted_before_its_picture_is_there() {
 #[test]
 fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
     let (mut app, search) = opened(document());
-    app.update(Action::GoTo(3));
-    app.update(Action::SetComment("mine".to_owned()));
-    app.update(Action::SetComment("undone".to_owned()));
+    app.update(Action::Navigate(Navigation::GoTo(3)));
+    app.update(Action::Edit(EditAction::SetComment("mine".to_owned())));
+    app.update(Action::Edit(EditAction::SetComment("undone".to_owned())));
     app.update(Action::Command(Command::Undo));
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
     let effects = app.update(ended(&search.unwrap(), Ok(found)));

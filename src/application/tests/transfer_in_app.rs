@@ -4,7 +4,7 @@ use crate::headless::Headless;
 use std::path::Path;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::transfer::{Look, TransferAction, TransferTab, in_dialog};
-use touchline_application::app::{Action, Command, Question, Settings};
+use touchline_application::app::{Action, Command, EditAction, Navigation, Question, Settings, ViewAction};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
@@ -193,7 +193,7 @@ fn a_typed_path_replaces_no_file_unasked() {
     std::fs::write(&precious, "precious").unwrap();
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::Csv));
-    headless.act(Action::TypePath(Question::ExportAs(Format::Csv)));
+    headless.act(Action::View(ViewAction::TypePath(Question::ExportAs(Format::Csv))));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
     headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.contains("exists")));
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
@@ -226,9 +226,9 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
     assert_eq!(joined.added, 6);
     act(&mut headless, TransferAction::TakeOver);
     for frame in [9, 1] {
-        headless.act(Action::SelectFrame { frame, how: Selecting::Toggle });
+        headless.act(Action::Navigate(Navigation::SelectFrame { frame, how: Selecting::Toggle }));
     }
-    headless.act(Action::GoTo(9));
+    headless.act(Action::Navigate(Navigation::GoTo(9)));
     headless.act(Action::Command(Command::Undo));
     assert_eq!(headless.app.open().unwrap().document.frames.len(), 4);
     assert_eq!((headless.app.session.frame, headless.app.frame().is_some()), (3, true));
@@ -248,7 +248,7 @@ fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &labels);
     // The document changes while the background looks, before it reports.
-    headless.act(Action::SetComment("meanwhile".to_owned()));
+    headless.act(Action::Edit(EditAction::SetComment("meanwhile".to_owned())));
     let changed = headless.app.open().unwrap().document.frames.clone();
     assert!(changed.iter().any(|frame| frame.comment.as_deref() == Some("meanwhile")));
     assert!(matches!(found(&mut headless), Look::Import(Ok(_))));

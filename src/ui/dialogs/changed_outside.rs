@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Label, RichText, vec2};
-use touchline_application::app::{Action, Command, OutsideChoice};
+use touchline_application::app::{Action, Command, OutsideChoice, ViewAction};
 
 /// What each choice is called, and what it does.
 const CHOICES: [(OutsideChoice, &str, &str); 3] = [
@@ -41,7 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         }
         let elsewhere = ui.add(Button::new("Save elsewhere…").min_size(vec2(180.0, 26.0)));
         if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
-            panel.actions.push(Action::CloseDialog);
+            panel.actions.push(Action::View(ViewAction::CloseDialog));
             panel.actions.push(Action::Command(Command::SaveAs));
         }
     });

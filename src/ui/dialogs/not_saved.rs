@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 use touchline_application::app::session::{Leaving, Saving};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
@@ -38,11 +38,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let elsewhere = ui.add(Button::new("Save elsewhere…").fill(ui.palette().accent_ground));
             if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
             if ui.button("Cancel").on_hover_text("Continue working; saving is tried again. (Esc)").clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
             if ui.button(RichText::new(does).color(ui.palette().bad)).on_hover_text("This cannot be undone.").clicked()
             {

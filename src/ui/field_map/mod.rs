@@ -12,10 +12,10 @@ use egui::{
     Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
-use touchline_application::app::Action;
 use touchline_application::app::App;
 use touchline_application::app::Command;
 use touchline_application::app::session::{Mode, PictureView};
+use touchline_application::app::{Action, EditAction};
 use touchline_application::render::Layer;
 use touchline_application::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
@@ -82,7 +82,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         name(ui, at, &format!("{} · {}", panel.app.label(&target), code(&field, &target)));
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::Pick(target));
+            panel.actions.push(Action::Edit(EditAction::Pick(target)));
         }
     }
 }

@@ -16,8 +16,8 @@ use super::placement::Placement;
 use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
-use touchline_application::app::Action;
 use touchline_application::app::session::Mode;
+use touchline_application::app::{Action, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
@@ -118,7 +118,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let expected = frame.image_size;
     let placement = Placement::new(rect, pixels_per_point, expected, panel.app.session.view);
     if panel.app.session.fit_scale != placement.fit_scale {
-        panel.actions.push(Action::FitScale(placement.fit_scale));
+        panel.actions.push(Action::View(ViewAction::FitScale(placement.fit_scale)));
     }
     match shown_picture(panel, expected) {
         Ok((key, picture)) => {

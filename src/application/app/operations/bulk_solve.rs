@@ -167,8 +167,8 @@ impl BulkSolveState {
 
 /// What is being done, in one sentence.
 fn describe(running: &Running<BulkSolving>) -> String {
-    let far = running.progress().map(|progress| {
-        format!(": {} of {} frames solved again", thousands(progress.done), thousands(progress.of))
-    });
+    let far = running
+        .progress()
+        .map(|progress| format!(": {} of {} frames solved again", thousands(progress.done), thousands(progress.of)));
     format!("{}{}…", running.operation().step.name, far.unwrap_or_default())
 }

@@ -111,7 +111,9 @@ impl App {
         match command {
             Command::Snap => self.why_not_snap(),
             Command::SearchLines => self.why_not_search_lines(),
-            Command::StopSearch if self.operations.frame_snap.search().is_none() => Some("No lines are being searched."),
+            Command::StopSearch if self.operations.frame_snap.search().is_none() => {
+                Some("No lines are being searched.")
+            }
             _ => None,
         }
     }

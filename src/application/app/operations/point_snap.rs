@@ -11,7 +11,9 @@ use touchline_calibration::proposals::{PictureError, read_picture};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{Click, Document, Frame, FrameId, FrameStatus, Shared, SolutionSource, Step, Target};
+use touchline_documents::document::{
+    Click, Document, Frame, FrameId, FrameStatus, Shared, SolutionSource, Step, Target,
+};
 use touchline_vision::paint::SnappedPoint;
 
 /// Clicks of a frame are to be moved onto the paint.
@@ -128,7 +130,8 @@ impl PointSnapState {
             return Vec::new();
         }
         let waits = |click: &Click| self.waiting.iter().any(|placed| placed.is(click));
-        let clicks = frame.clicks.iter().enumerate().filter(|(_, click)| waits(click)).map(|(index, _)| index).collect();
+        let clicks =
+            frame.clicks.iter().enumerate().filter(|(_, click)| waits(click)).map(|(index, _)| index).collect();
         self.waiting.clear();
         clicks
     }

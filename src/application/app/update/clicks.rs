@@ -192,7 +192,7 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command, Effect, Opened, Settings};
+    use crate::app::{Action, Command, EditAction, Effect, Navigation, Opened, Settings};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 
@@ -207,10 +207,10 @@ mod tests {
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        app.update(Action::Select(Some(0)));
+        app.update(Action::Navigate(Navigation::Select(Some(0))));
         let image = |app: &App| app.frame().unwrap().clicks[0].image;
         let nudge = |app: &mut App, dx_px: f64, held: bool| {
-            let effects = app.update(Action::Nudge { dx_px, dy_px: 0.0, held });
+            let effects = app.update(Action::Edit(EditAction::Nudge { dx_px, dy_px: 0.0, held }));
             assert!(effects.iter().any(|effect| matches!(effect, Effect::Journal { .. })), "{dx_px}");
         };
         nudge(&mut app, 1.0, false);

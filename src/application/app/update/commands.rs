@@ -408,6 +408,5 @@ impl App {
             let text = format!("{shown} is now “{}”; “{}” no longer has a key.", command.name(), loser.name());
             self.session.notify(Level::Info, text);
         }
-        self.effects.push(Effect::SaveSettings);
     }
 }

@@ -169,7 +169,7 @@ fn left_at(open: &OpenProject) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::{Action, App, Effect, Opened, Settings};
+    use crate::app::{Action, App, DiskReport, Effect, Navigation, Opened, PointerAction, Settings, ViewAction};
     use touchline_core::field::{FieldError, Template, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize};
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
@@ -191,7 +191,7 @@ mod tests {
     }
 
     fn read(of: &str, template: Result<Box<Template>, FieldError>) -> Action {
-        Action::TemplateRead { of: of.into(), name: "own.json".to_owned(), template }
+        Action::Disk(DiskReport::TemplateRead { of: of.into(), name: "own.json".to_owned(), template })
     }
 
     fn soccer() -> Box<Template> {
@@ -204,12 +204,12 @@ mod tests {
         let (of, folder, name) = ("/match/project.json".into(), "/match".into(), "own.json".to_owned());
         assert_eq!(effects, [Effect::ReadTemplate { of, folder, name }]);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
-        assert_eq!(asked(app.update(Action::GoTo(1))), [], "asked once");
+        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(1)))), [], "asked once");
         app.update(read("/another/project.json", Ok(soccer())));
         assert!(app.current().field().is_none(), "of a document that was closed meanwhile");
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
-        assert_eq!(asked(app.update(Action::GoTo(0))), []);
+        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), []);
     }
 
     #[test]
@@ -222,12 +222,12 @@ mod tests {
         let said = app.session.notices.last().map(|notice| notice.text.as_str());
         let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
         assert_eq!(said, Some(wanted));
-        assert_eq!(asked(app.update(Action::GoTo(0))), [], "a file is not tried again unasked");
-        assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)).len(), 1);
+        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), [], "a file is not tried again unasked");
+        assert_eq!(asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(), 1);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some());
-        assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)), [], "what was read stays");
+        assert_eq!(asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))), [], "what was read stays");
     }
 
     #[test]
@@ -245,9 +245,9 @@ mod tests {
         let mut app = App::new(Settings::default());
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         assert_eq!(app.session.frame, 2, "the first that is to do");
-        app.update(Action::GoTo(4));
-        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
-        app.update(Action::Release);
+        app.update(Action::Navigate(Navigation::GoTo(4)));
+        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(300.0, 400.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Release));
         let left = app.open().unwrap();
         let mut again = Opened::new(left.document.clone(), "/match/project.json");
         again.history = left.history.clone();

@@ -32,7 +32,7 @@ impl App {
 
     /// Whether an action would break a blind round; says so.
     pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
-        let breaks = self.round().is_some() && !action.kind().is_blind();
+        let breaks = self.round().is_some() && !action.is_blind();
         if breaks {
             self.session.notify(Level::Info, IN_ROUND);
         }

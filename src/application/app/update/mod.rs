@@ -1,5 +1,6 @@
 //! The only place that changes state: an action in, effects out.
 
+mod actions;
 mod base;
 mod cameras;
 mod clicks;
@@ -113,138 +114,26 @@ impl App {
             return;
         }
         match action {
+            Action::Pointer(action) => self.point(action),
+            Action::View(action) => self.show(action),
+            Action::Navigate(action) => self.navigate(action),
+            Action::Edit(action) => self.edit(action),
+            Action::Settings(action) => self.set_setting(action),
+            Action::Trainer(report) => self.take_from_trainer(report),
+            Action::Disk(report) => self.take_from_disk(report),
+            Action::PictureAwaited(awaited) => self.session.video.picture_awaited = awaited,
             Action::Command(command) => self.command(command),
-            Action::Video(action) => self.video(action),
             Action::Hold(command, down) => self.hold(command, down),
-            Action::Hover(at) => self.session.hover = at,
-            Action::Press { at, on } => {
-                self.session.video.playing = false;
-                self.press(at, on);
-            }
-            Action::Drag(to) => self.drag(to),
-            Action::Release => self.release(false),
-            Action::ReleaseExactly => self.release(true),
-            Action::Select(click) => self.select(click),
-            Action::Nudge { dx_px, dy_px, held } => self.nudge(dx_px, dy_px, held),
-            Action::View(view) => self.session.view = view,
-            Action::FitScale(scale) => self.session.fit_scale = scale,
-            Action::TypeName(typed) => self.type_name(typed),
-            Action::RefineName(typed) => self.refine_name(typed),
-            Action::ConfirmName => self.session.forget_placed(),
-            Action::HighlightName(index) => self.highlight_name(index),
-            Action::TakeName(index) => self.take_name(index),
-            Action::OfferLines(lines) => self.offer_lines(lines),
-            Action::Pick(target) => self.pick(target),
-            Action::Name { click, target } => self.name_click(click, target),
-            Action::DeleteClick(click) => self.delete_click(click),
-            Action::SetCheck { click, check } => self.set_check(click, check),
-            Action::GoTo(frame) => self.go_to(frame),
-            Action::SelectFrame { frame, how } => self.select_frame(frame, how),
-            Action::SelectNoFrames => self.session.frames_selected.clear(),
-            Action::AssignToCamera { scope, camera } => self.assign_to_camera(scope, &camera),
-            Action::AskCamera(scope) => self.session.dialog = Some(Dialog::AssignToCamera(scope)),
-            Action::RejectAs(reason) => self.reject_as(reason),
-            Action::SetComment(comment) => self.set_comment(&comment),
-            Action::SetFilter(filter) => self.session.filter = filter,
-            Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
-            Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
-            Action::RemoveMask { list, index } => self.remove_mask(list, index),
-            Action::BeginEdit(name) => self.begin_edit(name),
-            Action::EditPtz(ptz) => self.edit_ptz(ptz),
-            Action::EditCamera(camera) => self.edit_camera(*camera),
-            Action::EditField(field) => self.edit_field(field),
-            Action::EndEdit => self.end_edit(),
-            Action::AbortEdit => self.abort(),
-            Action::SolveAgain => self.solve_again(),
-            Action::Proposals(proposals) => self.take_proposals(&proposals),
-            Action::CarriedProposals(carried) => self.take_carried(&carried),
-            Action::Trainer(status) => self.trainer_reported(*status),
-            Action::Features(used) => self.session.trainer.features = Some(*used),
-            Action::HoldReview(held) => self.session.review.held = held,
-            Action::SetReviewOrder(order) => self.session.review.order = order,
-            Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
-            Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
-            Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
-            Action::TickSuggestion { frame, ticked } => self.tick_suggestion(frame, ticked),
-            Action::AcceptAll => self.accept_all(),
-            Action::SetUseForTraining { frame, used } => self.set_use_for_training(frame, used),
-            Action::SetQualityCamera(camera) => self.set_quality_camera(camera),
-            Action::SetTimeAxis(axis) => self.set_time_axis(axis),
-            Action::ShowSpan(span) => self.show_span(span),
-            Action::LookAt { frame, click } => self.look_at(frame, click),
             Action::Report(report) => self.receive(report),
             Action::Transfer(action) => self.transfer(action),
-            Action::UseForBase { frame, used } => self.use_for_base(frame, used),
-            Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::Compare(with) => self.compare(with),
-            Action::SetOverlayStyle(_)
-            | Action::SetTheme(_)
-            | Action::SetLineColour(..)
-            | Action::SetLoupe(_)
-            | Action::SetPictureMemory(_)
-            | Action::SetPictureLook(_)
-            | Action::SetTextSize(_)
-            | Action::SetPanelSizes { .. } => self.set_setting(&action),
-            Action::ChooseSport(template) => self.choose_sport(&template),
-            Action::AssignKey(command, chord) => self.assign_key(command, chord),
-            Action::ResetKeys => {
-                self.settings.keys.reset();
-                self.effects.push(Effect::SaveSettings);
-            }
-            Action::SetDetails(shown) => {
-                self.settings.details = shown;
-                self.effects.push(Effect::SaveSettings);
-            }
-            Action::CloseDialog => self.close_dialog(),
-            Action::ShowGuidePage(page) => self.show_guide_page(page),
-            Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
-            Action::Notify(level, text) => self.session.notify(level, text),
-            Action::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
             Action::Answer(question, path) => self.answer(question, path),
             Action::Open(path) => self.open_path(path),
-            Action::Progress(text) => {
-                if self.session.opening.is_some() {
-                    self.session.opening = Some(text);
-                }
-            }
             Action::Opened(opened) => self.opened(*opened),
-            Action::AlreadyOpen(file) => {
-                self.session.opening = None;
-                if self.tour_waits {
-                    self.begin_waiting_tour();
-                } else {
-                    self.session.notify(Level::Info, format!("{} is already open.", file.display()));
-                }
-            }
-            Action::Failed(message) => {
-                self.session.opening = None;
-                self.tour_waits = false;
-                self.session.notify(Level::Error, message);
-            }
-            Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
-            Action::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
-            Action::CameraLoaded(camera) => self.camera_loaded(&camera),
-            Action::Saved { revision, at, document } => self.saved(revision, at, document),
-            Action::SaveFailed(message) => self.save_failed(message),
-            Action::Copied(path) => {
-                self.session.copies.written = self.session.copies.begun.take();
-                self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
-            }
-            Action::WholeWanted => self.journal_whole(),
-            Action::ChangedOutside { path, own } => self.changed_outside(path, own),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
-            Action::Outside(outside) => self.merge_outside(&outside),
             Action::MergeOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Read }),
-            Action::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
             Action::SaveOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Save }),
-            Action::OrphanSaved { document } => {
-                self.session.notify(
-                    Level::Info,
-                    format!("The edits were saved as a separate document: {}", document.display()),
-                );
-            }
-            Action::OrphanPutAway { orphan, renamed } => self.orphan_put_away(&orphan, &renamed),
             Action::LeaveUnsaved => self.leave_unsaved(),
             Action::CloseRequested => self.close_requested(),
         }

@@ -198,7 +198,7 @@ mod tests {
     use super::*;
     use crate::app::operation::Report;
     use crate::app::operations::transfer::TransferWrite;
-    use crate::app::{Action, Effect, Opened, Question, Settings};
+    use crate::app::{Action, EditAction, Effect, Opened, Question, Settings};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Document, Frame};
 
@@ -242,7 +242,7 @@ mod tests {
         let mut app = app(true);
         let mut spec = app.shown_field_spec().unwrap().clone();
         spec.params.insert("length_m".to_owned(), 26.0);
-        app.update(Action::EditField(spec.clone()));
+        app.update(Action::Edit(EditAction::Field(spec.clone())));
         let document = &app.open().unwrap().document;
         assert_eq!((document.cameras[0].field.as_ref(), document.field.params.len()), (Some(&spec), 0));
     }

@@ -34,9 +34,7 @@ impl App {
     /// Whether the user is in the middle of a change, as of a drag, or one is being worked out: results that change the
     /// document wait for its end.
     pub(in crate::app) fn is_amid_change(&self) -> bool {
-        self.session.mode != Mode::Idle
-            || self.operations.bulk_solve.is_running()
-            || self.is_amid_step()
+        self.session.mode != Mode::Idle || self.operations.bulk_solve.is_running() || self.is_amid_step()
     }
 }
 
@@ -45,7 +43,7 @@ mod tests {
     use super::super::App;
     use crate::app::operation::probe::Probe;
     use crate::app::operation::{Breakdown, Failure, Job, Report, RequestId};
-    use crate::app::{Action, Effect, Opened, Settings};
+    use crate::app::{Action, Effect, Opened, Settings, ViewAction};
     use touchline_documents::document::{Document, FieldSpec};
 
     fn opened() -> Action {
@@ -114,10 +112,10 @@ mod tests {
         app.operations.probe.must_wait = true;
         app.update(end(job.id(), 1));
         assert!(app.operations.probe.taken.is_empty() && app.operations.probe.slot.is_running());
-        app.update(Action::SelectNoFrames);
+        app.update(Action::View(ViewAction::SelectNoFrames));
         assert!(app.operations.probe.taken.is_empty());
         app.operations.probe.must_wait = false;
-        app.update(Action::SelectNoFrames);
+        app.update(Action::View(ViewAction::SelectNoFrames));
         assert_eq!(app.operations.probe.taken, [Ok(1)]);
 
         let job = start(&mut app);
@@ -125,7 +123,7 @@ mod tests {
         app.update(end(job.id(), 2));
         assert!(app.operations.probe.slot.cancel());
         app.operations.probe.must_wait = false;
-        app.update(Action::SelectNoFrames);
+        app.update(Action::View(ViewAction::SelectNoFrames));
         assert_eq!((app.operations.probe.taken.len(), app.waiting_reports.len()), (1, 0));
     }
 

@@ -2,18 +2,12 @@
 
 use super::App;
 use crate::app::session::Level;
-use crate::app::video::VideoAction;
 use touchline_documents::document::{Document, Frame, ShotsError, VideoShots};
 
 impl App {
-    pub(super) fn video(&mut self, action: VideoAction) {
-        match action {
-            VideoAction::MoveCut { cut, to } => self.change_shots("Move cut", |shots, _, _| shots.move_cut(cut, to)),
-            VideoAction::SetSpeed(speed) => self.session.video.speed = speed,
-            VideoAction::Pause => self.session.video.playing = false,
-            VideoAction::GoToPlace(place) => self.go_to_place(place),
-            VideoAction::PictureAwaited(awaited) => self.session.video.picture_awaited = awaited,
-        }
+    /// A cut of the shown frame's video goes to another frame.
+    pub(super) fn move_cut(&mut self, cut: u64, to: u64) {
+        self.change_shots("Move cut", |shots, _, _| shots.move_cut(cut, to));
     }
 
     /// A shot begins at the shown frame.

@@ -12,7 +12,7 @@ use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2};
 use touchline_application::app::transfer::{PicturesWritten, TransferAction, TransferTab};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(820.0, 560.0);
@@ -106,7 +106,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
     }
     if ui.button("Cancel").on_hover_text("Close without a change. (Esc)").clicked() {
-        panel.actions.push(Action::CloseDialog);
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
     }
     if is_looking {
         ui.add(Spinner::new().size(14.0));

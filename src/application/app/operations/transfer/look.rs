@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
-    DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined, export, import, join,
-    plan_dataset,
+    DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined, export, import,
+    join, plan_dataset,
 };
 use touchline_documents::store;
 
