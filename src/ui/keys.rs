@@ -75,7 +75,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
         // Tab was a command: the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
-    if !window_focused && app.session.held != Held::default() {
+    if !window_focused && app.session.picture.held != Held::default() {
         asked.push(Action::Hold(Command::HideOverlay, false));
         asked.push(Action::Hold(Command::Compare, false));
         asked.push(Action::Hold(Command::Snap, false));
@@ -142,7 +142,7 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
         Key::ArrowDown => (0.0, 1.0),
         _ => return None,
     };
-    app.session.selected.filter(|_| !app.session.quality.open)?;
+    app.session.points.selected.filter(|_| !app.session.quality.open)?;
     let step = match (stroke.modifiers.shift, stroke.modifiers.alt, stroke.modifiers.command) {
         (false, false, false) => NUDGE_PX[0],
         (true, false, false) => NUDGE_PX[1],
@@ -248,9 +248,9 @@ fn opens(command: Command, dialog: &Dialog) -> bool {
 
 fn is_held_down(app: &App, command: Command) -> bool {
     match command {
-        Command::HideOverlay => app.session.held.hide_overlay,
-        Command::Compare => app.session.held.compare,
-        Command::Snap => app.session.held.before_snap,
+        Command::HideOverlay => app.session.picture.held.hide_overlay,
+        Command::Compare => app.session.picture.held.compare,
+        Command::Snap => app.session.picture.held.before_snap,
         _ => false,
     }
 }

@@ -23,7 +23,7 @@ pub struct ShownMask {
 
 /// The masks that cover the shown frame, the camera's first; none unless masks are shown.
 pub fn shown(app: &App) -> Vec<ShownMask> {
-    let Some(frame) = app.frame().filter(|_| app.session.masks) else { return Vec::new() };
+    let Some(frame) = app.frame().filter(|_| app.session.picture.masks) else { return Vec::new() };
     let camera = app.camera_id().and_then(|id| app.open()?.document.camera(id));
     let of_camera = camera.map(|camera| camera.masks.as_slice()).unwrap_or_default();
     let ranged = camera.map(|camera| camera.ranged_masks.as_slice()).unwrap_or_default();

@@ -222,12 +222,12 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
 
 fn is_on(app: &App, command: Command) -> bool {
     match command {
-        Command::ShowMasks => app.session.masks,
+        Command::ShowMasks => app.session.picture.masks,
         Command::ShowFieldMap => app.settings.field_map,
         Command::SnapPoints => app.settings.snap_points,
         Command::BaseOnPaint => app.settings.base_on_paint,
         Command::SnapSuggestions => app.settings.snap_suggestions,
-        Command::HideOverlay => app.session.held.hide_overlay,
+        Command::HideOverlay => app.session.picture.held.hide_overlay,
         Command::CameraPanel => app.session.panel == SidePanel::Camera,
         Command::TrainerPanel => app.session.panel == SidePanel::Trainer,
         Command::PauseTrainer => app.session.trainer.paused,
@@ -235,8 +235,8 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ReviewPanel => app.session.panel == SidePanel::Review,
         Command::QualityPage => app.session.quality.open,
         Command::UseForTraining => app.frame().is_some_and(Frame::is_used_for_training),
-        Command::PlaceOnLine => app.session.next_on_line,
-        Command::Uncertainty => app.session.uncertainty != scene::uncertainty::UncertaintyView::Off,
+        Command::PlaceOnLine => app.session.points.next_on_line,
+        Command::Uncertainty => app.session.picture.uncertainty != scene::uncertainty::UncertaintyView::Off,
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }
@@ -313,7 +313,7 @@ pub fn file_name(path: &str) -> String {
 
 /// Whether every edit is on disk.
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
-    if panel.app.session.changed_outside.is_some() {
+    if panel.app.session.disk.changed_outside.is_some() {
         let choose = Button::new(RichText::new("Changed outside").color(ui.palette().on_accent))
             .fill(ui.palette().caution)
             .small();
@@ -322,7 +322,7 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
             panel.actions.push(Action::AskOutside);
         }
     }
-    match &panel.app.session.saving {
+    match &panel.app.session.disk.saving {
         Saving::Untouched => {}
         Saving::Pending => {
             ui.label(RichText::new("saving…").color(ui.palette().weak))
@@ -349,7 +349,7 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Background work.
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
-    if let Some(opening) = &panel.app.session.opening {
+    if let Some(opening) = &panel.app.session.disk.opening {
         ui.add(egui::Spinner::new().size(12.0));
         ui.label(RichText::new(shortened(opening, LONGEST_NAME)).color(ui.palette().accent))
             .on_hover_text(format!("{opening} The window stays usable meanwhile."));

@@ -24,7 +24,7 @@ type Seen = ((u64, String), f64);
 /// Shows one message, the number of the others, and the way to all of them.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
-    let shown = in_row(&app.session.notices);
+    let shown = in_row(&app.session.messages.notices);
     let opacity = shown.map_or(1.0, |notice| opacity(panel.actions, ui, notice));
     ui.multiply_opacity(opacity);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -55,10 +55,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How many more messages wait; a click lists them all.
 fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
-    if app.session.told.is_empty() {
+    if app.session.messages.log.is_empty() {
         return;
     }
-    let more = app.session.notices.len().saturating_sub(1);
+    let more = app.session.messages.notices.len().saturating_sub(1);
     let says = if more > 0 { format!("{more} more") } else { "Messages".to_owned() };
     let button = Button::new(RichText::new(says).small().color(ui.palette().weak)).frame(false);
     if ui.add(button).on_hover_text(app.settings.keys.tooltip(Command::Messages)).clicked() {

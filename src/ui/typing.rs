@@ -44,7 +44,7 @@ impl Hand {
     fn follow(mut self, app: &App, time_s: f64, pointer: Option<Pos2>) -> Self {
         self.clock_s += (time_s - self.seen_s).clamp(0.0, TICK_S);
         self.seen_s = time_s;
-        let named = app.session.named_unasked.filter(|_| app.session.mode == Mode::Idle);
+        let named = app.session.points.named_unasked.filter(|_| app.session.mode == Mode::Idle);
         let is_known = self.placed.map(|placed| placed.click) == named;
         if !is_known {
             let new = |click| Placed { click, at_s: self.clock_s, pointer, has_left: false };
@@ -324,7 +324,7 @@ mod tests {
     fn letters_belong_to_the_point_until_the_pointer_leaves_it() {
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
-        assert!(hands.app.session.named_unasked.is_some(), "{:?}", hands.app.session.mode);
+        assert!(hands.app.session.points.named_unasked.is_some(), "{:?}", hands.app.session.mode);
         hands.wait(20.0);
         hands.type_letter(0.1, 'k');
         assert!(matches!(hands.app.session.mode, Mode::Naming(_)), "however late it comes");
@@ -343,7 +343,7 @@ mod tests {
         hands.stroke(0.1, Key::Enter, "");
         // A key that bounces.
         hands.stroke(0.1, Key::Enter, "");
-        assert_eq!((hands.status(), hands.app.session.named_unasked), (FrameStatus::Draft, None));
+        assert_eq!((hands.status(), hands.app.session.points.named_unasked), (FrameStatus::Draft, None));
         hands.wait(0.5);
         hands.stroke(0.1, Key::Enter, "");
         assert_eq!(hands.status(), FrameStatus::Reference);

@@ -78,6 +78,6 @@ impl Bench {
     }
 
     pub fn last_notice(&self) -> &str {
-        self.app.session.notices.last().map_or("", |notice| notice.text.as_str())
+        self.app.session.messages.notices.last().map_or("", |notice| notice.text.as_str())
     }
 }

@@ -202,7 +202,7 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     let on_paint = found.on_paint.clone().unwrap();
     let [held_out, was] = [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
     assert!(held_out < 0.4 && held_out <= was, "{held_out} px, {was} px before");
-    let told = &fixture.app.session.notices.last().unwrap().text;
+    let told = &fixture.app.session.messages.notices.last().unwrap().text;
     assert!(told.contains("Painted lines that were not used are"), "{told}");
     assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
 
@@ -241,7 +241,7 @@ fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
         assert!((size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0, "{size:?}");
     }
-    let told = &fixture.app.session.notices.last().unwrap().text;
+    let told = &fixture.app.session.messages.notices.last().unwrap().text;
     assert!(told.contains("Field length 10") && told.contains("m assumed)"), "{told}");
     assert!(fixture.document().field.assumed_size().is_some(), "nothing is changed before it is decided");
     fixture.command(Command::UseEstimatedBase);
@@ -275,12 +275,12 @@ fn a_second_estimate_replaces_the_first() {
     fixture.command(Command::EstimateBase);
     let first = fixture.app.operations.base_estimate.running().unwrap().id();
     fixture.estimate();
-    let before = fixture.app.session.notices.len();
+    let before = fixture.app.session.messages.notices.len();
     assert!(fixture.app.operations.base_estimate.proposed().is_some());
     let late = Failure::Broken(Breakdown::Panicked("too late".to_owned()));
     fixture.act(Action::Report(Report::of_end::<BaseEstimate>(first, Err(late))));
     assert!(fixture.app.operations.base_estimate.proposed().is_some(), "of the second one");
-    assert_eq!(fixture.app.session.notices.len(), before);
+    assert_eq!(fixture.app.session.messages.notices.len(), before);
 }
 
 #[test]
@@ -296,9 +296,9 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
     assert_eq!(fixture.app.why_not(Command::Compare), None);
     fixture.act(Action::Hold(Command::Compare, true));
-    assert!(fixture.app.session.held.compare);
+    assert!(fixture.app.session.picture.held.compare);
     fixture.act(Action::Hold(Command::Compare, false));
-    assert!(!fixture.app.session.held.compare);
+    assert!(!fixture.app.session.picture.held.compare);
 }
 
 #[test]
@@ -370,7 +370,9 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
 fn too_little_is_said_and_changes_nothing() {
     let mut fixture = Fixture::on(document(3, 0));
     fixture.estimate();
-    assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet.")));
+    assert!(
+        fixture.app.session.messages.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet."))
+    );
     let mut contradicting = document(3, 3);
     for frame in &mut contradicting.frames {
         let names: Vec<_> = frame.clicks.iter().map(|click| click.target.clone()).collect();
@@ -383,6 +385,6 @@ fn too_little_is_said_and_changes_nothing() {
     let before = document_to_string(fixture.document()).unwrap();
     fixture.estimate();
     assert!(fixture.app.operations.base_estimate.found().is_none(), "{:?}", fixture.app.operations.base_estimate);
-    assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
+    assert!(fixture.app.session.messages.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
     assert_eq!(document_to_string(fixture.document()).unwrap(), before);
 }

@@ -42,7 +42,7 @@ fn child_that_accepts_until_it_is_killed() {
         println!("proposed");
         headless.act(Action::Navigate(Navigation::GoTo(frame)));
         headless.act(Action::Command(touchline::app::Command::AcceptAndStay));
-        headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
+        headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
         println!("accepted {frame} {}", accepted(&headless.app)[&frame]);
     }
     println!("done");

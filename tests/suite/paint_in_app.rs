@@ -84,10 +84,10 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let solution = frame(&headless.app).solution.as_ref().unwrap();
     assert!(solution.worst_corner_sigma_px.is_some_and(|px| px < 5.0) && solution.covariance.is_some());
     headless.act(Action::Hold(Command::Snap, true));
-    assert!(headless.app.session.held.before_snap && headless.app.operations.frame_snap.running().is_none());
+    assert!(headless.app.session.picture.held.before_snap && headless.app.operations.frame_snap.running().is_none());
     assert_eq!(Some(headless.app.before_snap().unwrap().ptz()), before.as_ref().map(FramePtz::ptz));
     headless.act(Action::Hold(Command::Snap, false));
-    assert!(!headless.app.session.held.before_snap);
+    assert!(!headless.app.session.picture.held.before_snap);
     headless.act(Action::Command(Command::Undo));
     assert_eq!(frame(&headless.app).ptz, before);
     assert!(!next_step(&headless.app).text.contains("nap"), "{:?}", next_step(&headless.app));
@@ -133,7 +133,9 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     headless.act(Action::Command(Command::SearchLines));
     assert_eq!(next_step(&headless.app).offers, searching.offers, "another search");
     let refused = "No camera found: the picture shows 0 px of painted lines";
-    headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.starts_with(refused)));
+    headless.wait_until("the refusal", |app| {
+        app.session.messages.notices.iter().any(|notice| notice.text.starts_with(refused))
+    });
     assert_eq!((frame(&headless.app).ptz.as_ref(), frame(&headless.app).status), (None, FrameStatus::New));
 }
 
@@ -146,16 +148,17 @@ fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     let before = frame(&headless.app).ptz.clone();
     headless.act(Action::Command(Command::Snap));
     headless.wait_until("the refusal", |app| {
-        app.session.notices.iter().any(|notice| notice.text.starts_with("Not snapped: "))
+        app.session.messages.notices.iter().any(|notice| notice.text.starts_with("Not snapped: "))
     });
-    let refusal = headless.app.session.notices.iter().find(|notice| notice.text.starts_with("Not snapped")).unwrap();
+    let refusal =
+        headless.app.session.messages.notices.iter().find(|notice| notice.text.starts_with("Not snapped")).unwrap();
     assert_eq!(refusal.level, Level::Warning);
     assert_eq!(frame(&headless.app).ptz, before);
     headless.wait_until("the line check", |app| app.paint_says(1).is_some());
     // It is asked once whether that is meant.
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(frame(&headless.app).status, FrameStatus::Draft);
-    assert!(headless.app.session.offers(Command::AcceptAnyway), "{:?}", headless.app.session.notices);
+    assert!(headless.app.session.offers(Command::AcceptAnyway), "{:?}", headless.app.session.messages.notices);
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(frame(&headless.app).status, FrameStatus::Reference);
     let solution = frame(&headless.app).solution.as_ref().unwrap();
@@ -220,7 +223,7 @@ fn points_beside_painted_crossings_go_to_them() {
             .act(Action::Pointer(PointerAction::Press { at: projected.image.moved(Vec2::new(2.0, -1.0)), on: None }));
         headless.act(Action::Pointer(PointerAction::Release));
     }
-    headless.wait_until("the snap", |app| !app.session.just_snapped.is_empty());
+    headless.wait_until("the snap", |app| !app.session.points.just_snapped.is_empty());
     let snapped = frame(&headless.app).clicks.iter().filter(|click| click.snapped_sigma_px.is_some());
     for click in snapped {
         let id = click.target.as_ref().unwrap().as_str();

@@ -50,7 +50,7 @@ fn child_that_edits_until_it_is_killed() {
     let mut headless = Headless::opened(Path::new(file));
     let mut random = rng(number);
     let mut edits = 0;
-    let is_saved = |app: &touchline::app::App| !matches!(app.session.saving, Saving::Pending);
+    let is_saved = |app: &touchline::app::App| !matches!(app.session.disk.saving, Saving::Pending);
     loop {
         let document = &headless.app.open().unwrap().document;
         println!("kept {}", done_in(document));

@@ -52,7 +52,7 @@ fn actions() -> usize {
 }
 
 fn is_quiet(app: &App) -> bool {
-    app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.saving, Saving::Pending)
+    app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.disk.saving, Saving::Pending)
 }
 
 /// Not a test by itself: the program that the next test measures.

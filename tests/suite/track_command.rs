@@ -278,7 +278,8 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
         click(&mut headless, &truth, &landmark);
     }
     headless.act(Action::Command(Command::AcceptAndStay));
-    let followed = |app: &App| app.session.notices.iter().any(|notice| notice.text.contains("follow this correction"));
+    let followed =
+        |app: &App| app.session.messages.notices.iter().any(|notice| notice.text.contains("follow this correction"));
     headless.wait_until("the others follow", followed);
     assert_eq!(tracked(&headless.app), 28);
     assert!(off_px(&headless.app, 20) < 2.0, "{}", off_px(&headless.app, 20));

@@ -66,9 +66,9 @@ fn two_points_close_together() -> Window {
 fn a_key_shows_a_band_then_a_heat_map_then_neither() {
     let mut window = two_points_close_together();
     window.key(Key::U);
-    assert_eq!(window.app().session.uncertainty, UncertaintyView::Band);
+    assert_eq!(window.app().session.picture.uncertainty, UncertaintyView::Band);
     window.key(Key::U);
-    assert_eq!(window.app().session.uncertainty, UncertaintyView::Heat);
+    assert_eq!(window.app().session.picture.uncertainty, UncertaintyView::Heat);
     window.harness.hover_at(pos2(1100.0, 500.0));
     window.harness.run_steps(3);
     // Rings and names have come to rest.
@@ -77,7 +77,7 @@ fn a_key_shows_a_band_then_a_heat_map_then_neither() {
     }
     window.snapshot_of("heat", Rect::from_min_max(pos2(0.0, 24.0), pos2(980.0, 596.0)));
     window.key(Key::U);
-    assert_eq!(window.app().session.uncertainty, UncertaintyView::Off);
+    assert_eq!(window.app().session.picture.uncertainty, UncertaintyView::Off);
 }
 
 fn the_details_rank_the_next_points_and_one_is_placed_from_there() {

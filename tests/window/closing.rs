@@ -18,7 +18,7 @@ fn ctrl_q_asks_in_the_window_before_edits_are_lost() {
     let away = folder.with_extension("away");
     std::fs::rename(&folder, &away).unwrap();
     window.harness.state_mut().apply([Action::Edit(EditAction::SetComment("kept?".to_owned()))]);
-    window.wait_for(|shell| matches!(shell.app().session.saving, Saving::Failed { .. }));
+    window.wait_for(|shell| matches!(shell.app().session.disk.saving, Saving::Failed { .. }));
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::Q);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::NotSaved(Leaving::Close)));

@@ -249,8 +249,8 @@ impl Window {
     pub fn on_screen(&self, at: ImagePoint) -> egui::Pos2 {
         let rect = self.harness.get_by_label("Picture").rect();
         let per_point = f64::from(self.harness.ctx.pixels_per_point());
-        let (scale, centre) = match self.app().session.view {
-            PictureView::Fit => (self.app().session.fit_scale, SIZE.centre()),
+        let (scale, centre) = match self.app().session.picture.view {
+            PictureView::Fit => (self.app().session.picture.fit_scale, SIZE.centre()),
             PictureView::Zoomed { scale, centre } => (scale, centre),
         };
         let way = at.offset_from(centre) * (scale / per_point);

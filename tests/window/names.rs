@@ -37,11 +37,11 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     let button = window.harness.get_by_label("Compare").rect().center();
     window.press(button);
     window.harness.run_steps(2);
-    assert!(window.app().session.held.compare);
+    assert!(window.app().session.picture.held.compare);
     window.snapshot_of("compared", Rect::from_min_max(pos2(0.0, 24.0), pos2(980.0, 480.0)));
     window.release(button);
     window.harness.run_steps(2);
-    assert!(!window.app().session.held.compare);
+    assert!(!window.app().session.picture.held.compare);
 
     window.harness.get_by_label("Swap").click();
     window.harness.run_steps(3);

@@ -118,7 +118,7 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
     window.snapshot_of("inspector", egui::Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)));
     window.harness.get_by_label("Point 1: Penalty area, far left, front corner, no evidence").click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().session.selected, Some(0));
+    assert_eq!(window.app().session.points.selected, Some(0));
     window.key(Key::ArrowRight);
     assert_eq!(undo_name(&window).as_deref(), Some("Nudge Penalty area, far left, front corner"));
     window.harness.get_by_label("Check point 2").click();
@@ -260,7 +260,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
     window.key(Key::Period);
     assert_eq!(window.app().settings.keys.shown(Command::NextNeedsMe), ".");
     assert_eq!(window.app().settings.keys.shown(Command::NextFrame), "");
-    let told = &window.app().session.notices.last().unwrap().text;
+    let told = &window.app().session.messages.notices.last().unwrap().text;
     assert!(told.contains("“Next frame” no longer has a key"), "{told}");
     window.harness.get_by_label("Reset to defaults").click();
     window.harness.run_steps(2);
@@ -305,7 +305,7 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     assert!(window.harness.query_by_label("Dataset written.").is_some());
     window.harness.get_by_label("Dismiss all messages").click();
     window.harness.run_steps(3);
-    assert!(window.app().session.notices.is_empty() && window.app().session.told.len() >= 2);
+    assert!(window.app().session.messages.notices.is_empty() && window.app().session.messages.log.len() >= 2);
 }
 
 fn a_comment_is_written_and_an_overlay_colour_chosen() {
@@ -334,12 +334,12 @@ fn nothing_open_invites_and_takes_a_typed_path() {
     harness.run_steps(2);
     harness.get_by_label("Open").click();
     let start = std::time::Instant::now();
-    while harness.state().app().session.notices.is_empty() {
+    while harness.state().app().session.messages.notices.is_empty() {
         assert!(start.elapsed().as_secs() < 60, "nobody says that there is no such place");
         std::thread::sleep(std::time::Duration::from_millis(5));
         harness.step();
     }
-    assert!(harness.state().app().session.notices[0].text.contains("/no/such/place"));
+    assert!(harness.state().app().session.messages.notices[0].text.contains("/no/such/place"));
 }
 
 fn every_control_has_a_name() {

@@ -79,6 +79,6 @@ fn without_a_frame_to_try_the_tour_says_what_to_do() {
     window.type_text("1");
     window.harness.state_mut().apply([Action::Command(Command::StartTour)]);
     assert_eq!(step(&window), None);
-    let told = &window.app().session.notices.last().unwrap().text;
+    let told = &window.app().session.messages.notices.last().unwrap().text;
     assert!(told.contains("no frame left to try") && told.contains("Delete "), "{told}");
 }

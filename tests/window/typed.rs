@@ -62,10 +62,10 @@ fn the_next_point_is_nudged() {
     window.click(ImagePoint::new(400.0, 250.0));
     window.key(Key::Enter);
     window.key(Key::Escape);
-    assert_eq!(window.app().session.selected, None);
+    assert_eq!(window.app().session.points.selected, None);
     let before: Vec<_> = window.app().frame().unwrap().clicks.iter().map(|click| click.image.x).collect();
     all_at_once(&mut window, &[stroke(Key::Tab, ""), stroke(Key::ArrowRight, "")]);
-    let selected = window.app().session.selected.unwrap();
+    let selected = window.app().session.points.selected.unwrap();
     let moved = window.app().frame().unwrap().clicks[selected].image.x - before[selected];
     assert!((moved - 0.1).abs() < 1e-9, "{moved}");
 }
@@ -99,7 +99,7 @@ fn what_is_typed_after_a_dialog_opens_is_typed_into_it() {
 fn a_key_that_was_tapped_holds_nothing() {
     let mut window = Window::open(1, [960.0, 600.0], 1.0);
     all_at_once(&mut window, &[stroke(Key::H, "h")]);
-    assert!(!window.app().session.held.hide_overlay);
+    assert!(!window.app().session.picture.held.hide_overlay);
 }
 
 /// A frame with two points, so that the third names itself.

@@ -274,7 +274,9 @@ fn off_camera(frame: &Frame, field: &FieldModel, camera: &PtzCamera) -> Vec<Clic
 /// What is being placed or named, if it is on the picture and has a name to try.
 fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
     match &session.mode {
-        Mode::Placing(target) => Some(Trial { click: Click::new(target.clone(), session.hover?), replaced: None }),
+        Mode::Placing(target) => {
+            Some(Trial { click: Click::new(target.clone(), session.points.hover?), replaced: None })
+        }
         Mode::Naming(naming) => {
             let at = frame.clicks.get(naming.click)?.image;
             let chosen = naming.chosen().filter(|chosen| chosen.in_use.is_none())?;
@@ -416,9 +418,9 @@ mod tests {
         let (mut open, mut session, mut current) = (project(), Session::default(), Current::default());
         assert!(derives(&mut current, &mut open, &session));
         assert!(current.solved().is_some());
-        session.hover = Some(SIZE.centre());
-        session.fit_scale = 0.5;
-        session.selected = Some(1);
+        session.points.hover = Some(SIZE.centre());
+        session.picture.fit_scale = 0.5;
+        session.points.selected = Some(1);
         assert!(!derives(&mut current, &mut open, &session), "nothing that the frame's camera rests on has changed");
         open.document.frames[0].clicks[0].check = true;
         assert!(derives(&mut current, &mut open, &session));
@@ -430,13 +432,13 @@ mod tests {
         let (mut open, mut session, mut current) = (project(), Session::default(), Current::default());
         current.refresh(Some(&mut open), &session, None, None);
         session.mode = Mode::Placing(Target::Landmark("centre_circle_left".into()));
-        session.hover = Some(image_of("centre_circle_left"));
+        session.points.hover = Some(image_of("centre_circle_left"));
         assert!(!derives(&mut current, &mut open, &session));
         let first = current.preview.unwrap().ptz();
-        session.hover = session.hover.map(|at| ImagePoint::new(at.x + 20.0, at.y));
+        session.points.hover = session.points.hover.map(|at| ImagePoint::new(at.x + 20.0, at.y));
         assert!(!derives(&mut current, &mut open, &session));
         assert_ne!(current.preview.unwrap().ptz(), first);
-        session.hover = None;
+        session.points.hover = None;
         current.refresh(Some(&mut open), &session, None, None);
         assert!(current.preview.is_none());
     }

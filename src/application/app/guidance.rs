@@ -30,7 +30,7 @@ impl Guidance {
 /// What the user does next.
 #[must_use]
 pub fn next_step(app: &App) -> Guidance {
-    if let Some(opening) = &app.session.opening {
+    if let Some(opening) = &app.session.disk.opening {
         return Guidance::say(opening.clone());
     }
     if app.open().is_none() {
@@ -48,7 +48,9 @@ pub fn next_step(app: &App) -> Guidance {
     }
     begun(app)
         .or_else(|| estimated(app))
-        .or_else(|| app.session.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line.")))
+        .or_else(|| {
+            app.session.points.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line."))
+        })
         .or_else(|| other_picture(app))
         .or_else(|| unnamed(frame))
         .or_else(|| no_base(app, frame).filter(|_| frame.status == FrameStatus::Reference))
@@ -138,11 +140,10 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
 
 /// A base that is being estimated, or was found and waits for a decision.
 fn estimated(app: &App) -> Option<Guidance> {
-    let state = &app.operations.base_estimate;
-    if let Some(under_way) = state.under_way() {
+    if let Some(under_way) = app.operations.base_under_way() {
         return Some(Guidance::say(under_way.text).offer("Stop", under_way.stop));
     }
-    state.proposed()?;
+    app.operations.proposed_base()?;
     let proposal = app.current().proposal.as_ref();
     let is_drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
     Some(Guidance::say(match (proposal, app.current().base) {
@@ -353,10 +354,10 @@ mod tests {
         app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(600.0, 300.0), on: None }));
         app.update(Action::Pointer(PointerAction::Release));
         app.session.mode = Mode::Idle;
-        app.session.selected = Some(1);
+        app.session.points.selected = Some(1);
         let (_, offered) = next_step(&app).offers[0];
         app.update(Action::Command(offered));
-        assert_eq!(app.session.selected, Some(0));
+        assert_eq!(app.session.points.selected, Some(0));
         assert!(matches!(&app.session.mode, Mode::Naming(naming) if naming.click == 0));
     }
 

@@ -541,7 +541,7 @@ mod tests {
         }
         go_on.send(()).unwrap();
         bench.wait();
-        assert!(bench.app.session.notices.iter().all(|notice| notice.text != "of another document"));
+        assert!(bench.app.session.messages.notices.iter().all(|notice| notice.text != "of another document"));
     }
 
     #[test]

@@ -79,10 +79,10 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
     assert_eq!(accepted.status, FrameStatus::Reference);
     let journalled = bench.effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count();
     assert!(journalled >= 4, "every edit goes to the journal at once: {journalled}");
-    assert_eq!(bench.app.session.saving, Saving::Pending);
+    assert_eq!(bench.app.session.disk.saving, Saving::Pending);
     let revision = bench.app.open().unwrap().revision;
     bench.act(Action::Disk(DiskReport::Saved { revision, at: "12:03:41".into(), document: Some(0) }));
-    assert_eq!(bench.app.session.saving, Saving::Saved { at: "12:03:41".into() });
+    assert_eq!(bench.app.session.disk.saving, Saving::Saved { at: "12:03:41".into() });
 }
 
 #[test]
@@ -238,7 +238,7 @@ fn points_on_lines_check_points_and_deleting() {
     assert_eq!(bench.app.current().solved().unwrap().checks.len(), 1);
     bench.command(Command::DeleteClick);
     assert_eq!(bench.frame().clicks.len(), 3);
-    assert_eq!(bench.app.session.selected, None);
+    assert_eq!(bench.app.session.points.selected, None);
 }
 
 #[test]
@@ -367,7 +367,7 @@ fn a_full_disk_is_said_and_edits_are_lost_only_by_saying_so() {
     bench.act(Action::CloseRequested);
     assert!(!bench.effects.contains(&Effect::Close));
     bench.act(Action::Disk(DiskReport::SaveFailed("disk full".into())));
-    assert!(matches!(&bench.app.session.saving, Saving::Failed { message, .. } if message == "disk full"));
+    assert!(matches!(&bench.app.session.disk.saving, Saving::Failed { message, .. } if message == "disk full"));
     for _ in 0..2 {
         bench.act(Action::CloseRequested);
         assert!(!bench.effects.contains(&Effect::Close));
@@ -385,7 +385,7 @@ fn zoom_and_position_stay_from_frame_to_frame_and_filters_count() {
     bench.command(Command::NextFrame);
     bench.command(Command::NextTenFrames);
     assert_eq!(bench.app.session.frame, 5);
-    assert_eq!(bench.app.session.view, view);
+    assert_eq!(bench.app.session.picture.view, view);
     bench.act(Action::View(ViewAction::SetFilter(Filter::Status(FrameStatus::Reference))));
     assert!(!bench.app.session.filter.shows(bench.frame()));
 }
@@ -395,12 +395,12 @@ fn escape_gives_up_what_is_being_opened() {
     let mut bench = Bench::new(document(1, true));
     bench.act(Action::Open("/match.mp4".into()));
     bench.act(Action::Disk(DiskReport::Progress("Counting frames: 500…".into())));
-    assert_eq!(bench.app.session.opening.as_deref(), Some("Counting frames: 500…"));
+    assert_eq!(bench.app.session.disk.opening.as_deref(), Some("Counting frames: 500…"));
     bench.command(Command::Cancel);
     assert!(bench.effects.contains(&Effect::CancelOpening));
-    assert_eq!(bench.app.session.opening, None);
+    assert_eq!(bench.app.session.disk.opening, None);
     bench.act(Action::Disk(DiskReport::Progress("Counting frames: 600…".into())));
-    assert_eq!(bench.app.session.opening, None, "a late word brings nothing back");
+    assert_eq!(bench.app.session.disk.opening, None, "a late word brings nothing back");
 }
 
 #[test]

@@ -127,7 +127,7 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
     assert_eq!(now(&app).frames[EDITED].clicks, clicks, "the edit is not overwritten");
     assert!([0, 1, EDITED, 100, FRAMES - 2].into_iter().all(|index| is_solved_for(now(&app), index, 18.5)));
     assert_eq!(now(&app).frames[FRAMES - 1].status, FrameStatus::New, "it was proposed for the old base");
-    assert!(app.session.notices.iter().any(|notice| notice.text.starts_with("1 proposal ")));
+    assert!(app.session.messages.notices.iter().any(|notice| notice.text.starts_with("1 proposal ")));
 
     app.update(Action::Command(Command::Undo));
     assert_eq!(uncounted(now(&app)), uncounted(&edited), "one step takes all of it back, and nothing else");
@@ -250,7 +250,7 @@ fn what_cannot_be_done_is_told_and_changes_nothing() {
     let order = ordered(app.update(change)).unwrap();
     app.update(Action::Report(order.panicked("out of grass".to_owned())));
     assert_eq!(*now(&app), before);
-    assert!(app.session.notices.iter().any(|notice| notice.text.contains("out of grass")));
+    assert!(app.session.messages.notices.iter().any(|notice| notice.text.contains("out of grass")));
     assert!(!app.operations.bulk_solve.is_running());
 }
 

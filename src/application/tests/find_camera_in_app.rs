@@ -153,7 +153,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     assert!(!has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(), "nothing was changed");
     bench.command(Command::FindCamera);
     bench.report_end::<CameraSearch>(Err(Failure::Broken(Breakdown::Panicked("the rig fell".to_owned()))));
-    let last = bench.app.session.notices.last().unwrap();
+    let last = bench.app.session.messages.notices.last().unwrap();
     assert!(last.level == Level::Error && last.text.contains("the rig fell"), "{last:?}");
 }
 

@@ -101,7 +101,9 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
         Action::Edit(EditAction::Pick(Target::Landmark("centre_mark".into()))),
     ] {
         bench.act(action);
-        assert!(bench.app.session.frame == 0 && bench.app.session.selected.is_none() && bench.app.round().is_some());
+        assert!(
+            bench.app.session.frame == 0 && bench.app.session.points.selected.is_none() && bench.app.round().is_some()
+        );
     }
     // A press on the label's own click takes hold of nothing; outside of the picture it is none.
     let label = before.frames[0].clicks[0].image;
@@ -171,7 +173,7 @@ fn another_document_is_compared_on_the_quality_page() {
     assert_eq!((made.agreement.distances.unwrap().count, made.agreement.lone.len()), (9, 0));
     let pair = made.agreement.frames[2].clicks[1].clicks[0];
     bench.act(Action::Navigate(Navigation::LookAt { frame: 2, click: Some(pair) }));
-    assert_eq!((bench.app.session.frame, bench.app.session.selected), (2, Some(pair)));
+    assert_eq!((bench.app.session.frame, bench.app.session.points.selected), (2, Some(pair)));
 }
 
 #[test]

@@ -123,7 +123,7 @@ impl World {
             15 => return self.kill(window),
             16 => {
                 self.tell("close");
-                let is_untouched = window.app.session.saving == Saving::Untouched;
+                let is_untouched = window.app.session.disk.saving == Saving::Untouched;
                 leave(&mut window, || Action::CloseRequested);
                 window.runner.close();
                 return self.forget_exposed(is_untouched);
@@ -131,7 +131,7 @@ impl World {
             17 => {
                 self.tell("open another project, and this one again");
                 let (other, here) = (self.other.clone(), self.folder.path().to_path_buf());
-                let is_untouched = window.app.session.saving == Saving::Untouched;
+                let is_untouched = window.app.session.disk.saving == Saving::Untouched;
                 leave(&mut window, || Action::Open(other.clone()));
                 window.wait_until("the other project", |app| app.open().unwrap().document.frames.len() == 1);
                 self.forget_exposed(is_untouched);
@@ -240,9 +240,9 @@ impl World {
         let before = marks_in(&window.app);
         window.act(Action::ResolveOutside(choice));
         if choice == OutsideChoice::TakeTheirs {
-            window.wait_until("the other version", |app| app.session.opening.is_none());
+            window.wait_until("the other version", |app| app.session.disk.opening.is_none());
         } else {
-            window.wait_until("the answer", |app| app.session.changed_outside.is_none());
+            window.wait_until("the answer", |app| app.session.disk.changed_outside.is_none());
         }
         if choice == OutsideChoice::Merge {
             self.take_back_named(window, &before);
@@ -263,15 +263,15 @@ impl World {
 
     fn merge_set_aside(&mut self, window: &mut Headless) {
         window.act(Action::View(ViewAction::CloseDialog));
-        let Some(orphan) = window.app.session.orphans.first().map(|orphan| orphan.path.clone()) else { return };
+        let Some(orphan) = window.app.session.disk.orphans.first().map(|orphan| orphan.path.clone()) else { return };
         self.tell(format!("merge {}", orphan.file_name().unwrap().to_string_lossy()));
         let before = marks_in(&window.app);
-        let told = window.app.session.notices.last().map_or(0, |notice| notice.id);
+        let told = window.app.session.messages.notices.last().map_or(0, |notice| notice.id);
         window.act(Action::MergeOrphan(orphan));
         // What the window holds may be set aside again at once, under the same name; or it was put away with what it replaced.
         let ends = ["The edits are merged", "cannot read"];
         let is_told = |notice: &Notice| notice.id > told && ends.iter().any(|end| notice.text.starts_with(end));
-        window.wait_until("merging", |app| app.session.notices.iter().any(is_told));
+        window.wait_until("merging", |app| app.session.messages.notices.iter().any(is_told));
         self.take_back_named(window, &before);
         settle(window);
     }
@@ -282,7 +282,7 @@ impl World {
         let now = marks_in(&window.app);
         let is_named =
             |text: &str| text.contains("Changed on both sides") || text.contains("Taken from the other version");
-        if window.app.session.notices.iter().any(|notice| is_named(&notice.text)) {
+        if window.app.session.messages.notices.iter().any(|notice| is_named(&notice.text)) {
             self.live.retain(|mark| !before.contains(mark) || now.contains(mark));
         }
     }
@@ -317,7 +317,7 @@ impl World {
 
     /// Once the window has seen what others did, it has kept what it holds.
     fn look(&mut self) {
-        if self.window.as_ref().is_some_and(|window| window.app.session.changed_outside.is_some()) {
+        if self.window.as_ref().is_some_and(|window| window.app.session.disk.changed_outside.is_some()) {
             self.exposed.clear();
         }
     }
@@ -353,14 +353,14 @@ impl World {
 
 /// Waits until all that was done is on disk, or somebody has to decide.
 fn settle(window: &mut Headless) {
-    window.wait_until("the disk", |app| !matches!(app.session.saving, Saving::Pending));
+    window.wait_until("the disk", |app| !matches!(app.session.disk.saving, Saving::Pending));
 }
 
 /// Saves, and waits for the document or for the question whose version it is to be.
 fn save(window: &mut Headless) {
     window.act(Action::Command(Command::Save));
     window.wait_until("saving", |app| {
-        app.session.changed_outside.is_some() || app.open().is_some_and(crate::outside::is_written)
+        app.session.disk.changed_outside.is_some() || app.open().is_some_and(crate::outside::is_written)
     });
 }
 
@@ -369,8 +369,8 @@ fn leave(window: &mut Headless, how: impl Fn() -> Action) {
     settle(window);
     window.act(how());
     let is_asked = |app: &App| matches!(app.session.dialog, Some(Dialog::ChangedOutside | Dialog::NotSaved(_)));
-    if window.app.session.leaving.is_some() {
-        window.wait_until("leaving or a question", |app| app.session.leaving.is_none() || is_asked(app));
+    if window.app.session.disk.leaving.is_some() {
+        window.wait_until("leaving or a question", |app| app.session.disk.leaving.is_none() || is_asked(app));
     }
     if is_asked(&window.app) {
         window.act(Action::View(ViewAction::CloseDialog));

@@ -65,7 +65,7 @@ fn open(bench: &mut Bench, document: Document) {
 #[test]
 fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     let mut bench = bench_with_found();
-    let [notice] = &bench.app.session.notices[..] else { panic!("{:?}", bench.app.session.notices) };
+    let [notice] = &bench.app.session.messages.notices[..] else { panic!("{:?}", bench.app.session.messages.notices) };
     assert_eq!(notice.level, Level::Question, "it stays until somebody answers");
     assert!(notice.text.contains("burned in") && notice.text.contains("300 × 50 px at 60, 40"), "{}", notice.text);
     assert_eq!(notice.offers.iter().map(|(says, _)| *says).collect::<Vec<_>>(), ["Keep", "Change"]);
@@ -74,7 +74,7 @@ fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     assert!(bench.app.asked_masks().is_empty(), "not where it is not shown");
     bench.command(Command::KeepBurntIn);
     assert_eq!(ranged(&bench.app), [(None, Some(499), MaskSource::Found)]);
-    assert!(bench.app.session.notices.is_empty() && !bench.app.session.masks);
+    assert!(bench.app.session.messages.notices.is_empty() && !bench.app.session.picture.masks);
     assert!(bench.app.why_not(Command::KeepBurntIn).is_some());
     bench.command(Command::Undo);
     assert!(ranged(&bench.app).is_empty());
@@ -88,7 +88,7 @@ fn change_keeps_them_and_opens_the_masks() {
     let mut bench = bench_with_found();
     bench.command(Command::ChangeBurntIn);
     assert_eq!(ranged(&bench.app).len(), 1);
-    assert!(bench.app.session.masks && bench.app.session.panel == SidePanel::Camera);
+    assert!(bench.app.session.picture.masks && bench.app.session.panel == SidePanel::Camera);
     bench.act(Action::Edit(EditAction::RemoveMask { list: MaskList::Ranged, index: 0 }));
     assert!(ranged(&bench.app).is_empty());
 }
@@ -97,7 +97,7 @@ fn change_keeps_them_and_opens_the_masks() {
 #[test]
 fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     let mut bench = bench_with_found();
-    let id = bench.app.session.notices[0].id;
+    let id = bench.app.session.messages.notices[0].id;
     bench.act(Action::View(ViewAction::DismissNotice(id)));
     assert!(bench.app.asked_masks().is_empty());
     assert!(bench.app.why_not(Command::KeepBurntIn).is_none(), "the menu still offers it");
@@ -107,7 +107,7 @@ fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     open(&mut bench, document);
     bench.report_end::<BurntInSearch>(Ok(vec![found(None, None)]));
     bench.act(Action::Report(Report::of_end::<BurntInSearch>(before, Ok(vec![found(None, None)]))));
-    assert!(bench.app.session.notices.is_empty(), "{:?}", bench.app.session.notices);
+    assert!(bench.app.session.messages.notices.is_empty(), "{:?}", bench.app.session.messages.notices);
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn a_drawn_match_with_a_score_bug_is_asked_about_after_opening() {
     assert!(!masks.is_empty() && masks.iter().all(|mask| mask.y < 80.0 || mask.y > 280.0), "{masks:?}");
     headless.act(Action::Command(Command::KeepBurntIn));
     headless.wait_until("the journal", |app| {
-        matches!(app.session.saving, touchline_application::app::session::Saving::Saved { .. })
+        matches!(app.session.disk.saving, touchline_application::app::session::Saving::Saved { .. })
     });
     assert_eq!(ranged(&headless.app).len(), masks.len());
 }
@@ -203,7 +203,7 @@ fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
     assert_eq!(bench.statuses(), "SS");
     assert_eq!(bench.last_notice(), "Masks are being drawn: Esc ends that first.");
     bench.command(Command::Cancel);
-    assert!(!bench.app.session.masks);
+    assert!(!bench.app.session.picture.masks);
     bench.command(Command::AcceptAndStay);
     assert_eq!(bench.statuses(), "RS");
 }

@@ -92,7 +92,7 @@ fn a_swap_is_marked_compared_and_mended_in_one_step() {
     assert!(app.why_not(Command::MendNames).is_some(), "there is nothing left to mend");
     app.update(Action::Command(Command::Undo));
     assert_eq!(names(&app), before);
-    assert_eq!(app.session.notices.last().unwrap().text, "Undone: Swap points 2 and 3.");
+    assert_eq!(app.session.messages.notices.last().unwrap().text, "Undone: Swap points 2 and 3.");
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     assert_eq!(app.current().judgement.as_ref().unwrap().verdict, Verdict::Wrong);
     app.update(Action::Command(Command::Accept));
     assert_eq!((app.session.frame, app.frame().unwrap().status), (0, FrameStatus::Draft), "it asks first");
-    let notice = app.session.notices.last().unwrap();
+    let notice = app.session.messages.notices.last().unwrap();
     let offers: Vec<_> = notice.offers.iter().map(|(says, _)| *says).collect();
     assert_eq!(offers, ["Swap", "Accept anyway"], "{}", notice.text);
     assert!(notice.text.starts_with("Point ") && notice.text.ends_with("px off."), "{}", notice.text);
@@ -285,7 +285,7 @@ fn what_nothing_painted_marks_is_not_offered_before_a_base_and_warned_of_when_ty
     app.update(Action::Navigate(Navigation::TypeName("ccl".to_owned())));
     app.update(Action::Edit(EditAction::TakeName(0)));
     assert_eq!(names(&app), ["centre_circle_left"]);
-    let warned = app.session.notices.last().unwrap();
+    let warned = app.session.messages.notices.last().unwrap();
     assert!(warned.text.contains("is not where the curve looks widest"), "{}", warned.text);
     // With a base it is a name like others.
     let mut document = project();

@@ -22,11 +22,11 @@ fn open_another(bench: &mut Bench, jobs: &[Job]) {
     assert!(jobs.iter().all(|job| !job.is_cancelled()), "{jobs:?}");
     bench.act(Action::Opened(Box::new(Opened::new(blank(1), "/elsewhere/project.json"))));
     assert!(jobs.iter().all(Job::is_cancelled), "{jobs:?}");
-    let before = bench.app.session.notices.len();
+    let before = bench.app.session.messages.notices.len();
     for job in jobs {
         bench.act(Action::Report(job.panicked("too late".to_owned())));
     }
-    assert_eq!(bench.app.session.notices.len(), before, "{:?}", bench.app.session.notices);
+    assert_eq!(bench.app.session.messages.notices.len(), before, "{:?}", bench.app.session.messages.notices);
 }
 
 #[test]

@@ -22,9 +22,9 @@ fn sampled() -> App {
 
 /// The number of the frame that is shown after going to a place, and what was said.
 fn shown(app: &mut App, place: &str) -> (u64, String) {
-    app.session.notices.clear();
+    app.session.messages.notices.clear();
     app.update(Action::Navigate(Navigation::GoToPlace(place.parse::<Place>().unwrap())));
-    let said = app.session.notices.iter().map(|notice| notice.text.clone()).collect();
+    let said = app.session.messages.notices.iter().map(|notice| notice.text.clone()).collect();
     (app.open().unwrap().frame_number(app.session.frame), said)
 }
 

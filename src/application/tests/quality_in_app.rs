@@ -66,7 +66,7 @@ fn nothing_is_derived_while_the_page_is_closed_and_what_changes_is_derived_again
     assert_eq!(bench.app.quality().course.standing_out, [4]);
     bench.act(Action::Navigate(Navigation::LookAt { frame: 8, click: Some(0) }));
     assert!(!bench.app.session.quality.open && bench.app.quality().course.points.is_empty());
-    assert_eq!((bench.app.session.frame, bench.app.session.selected), (8, Some(0)));
+    assert_eq!((bench.app.session.frame, bench.app.session.points.selected), (8, Some(0)));
     bench.act(Action::Edit(EditAction::Begin("Pan")));
     bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.8, -12.0, 2000.0))));
     bench.act(Action::Edit(EditAction::End));

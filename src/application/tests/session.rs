@@ -61,14 +61,14 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     let ptz = headless.app.frame().unwrap().ptz.as_ref().unwrap().ptz();
     assert!((ptz.focal_px - 760.0).abs() < 1e-6, "{ptz:?}");
     headless.act(Action::Command(Command::Accept));
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let labelled = headless.app.open().unwrap().document.clone();
 
     let dataset = root.path().join("out").join("dataset.json");
     std::fs::create_dir(root.path().join("out")).unwrap();
     headless.answer(Question::ExportAs(Format::Json), &dataset);
     headless.wait_until("exporting", |app| {
-        app.session.notices.iter().any(|n| n.text.starts_with("1 frame written as json"))
+        app.session.messages.notices.iter().any(|n| n.text.starts_with("1 frame written as json"))
     });
     let exported = document_from_bytes(&std::fs::read(&dataset).unwrap()).unwrap();
     assert_eq!(exported.frames[0].name(), "../frames/1.png");
@@ -91,7 +91,7 @@ fn what_cannot_be_opened_leaves_everything_as_it_is() {
     let root = tempfile::tempdir().unwrap();
     let mut headless = Headless::new();
     headless.act(Action::Open(root.path().join("nothing")));
-    headless.wait_until("the message", |app| !app.session.notices.is_empty());
-    assert!(headless.app.open().is_none() && headless.app.session.opening.is_none());
-    assert!(headless.app.session.notices[0].text.contains("there is no such file or folder"));
+    headless.wait_until("the message", |app| !app.session.messages.notices.is_empty());
+    assert!(headless.app.open().is_none() && headless.app.session.disk.opening.is_none());
+    assert!(headless.app.session.messages.notices[0].text.contains("there is no such file or folder"));
 }

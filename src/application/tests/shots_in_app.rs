@@ -102,7 +102,7 @@ fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
     {
         let (mut app, search) = opened(document());
         app.update(ended(&search.unwrap(), Err(error)));
-        assert_eq!(app.session.notices.len(), notices);
+        assert_eq!(app.session.messages.notices.len(), notices);
         assert!(app.operations.shot_search.running().is_none());
     }
 }

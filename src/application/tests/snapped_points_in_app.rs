@@ -62,7 +62,7 @@ fn points_go_to_the_paint_once_there_is_a_camera_and_undo_takes_place_and_snap_b
         let exact = landmark_in(&pointed(), click.target.as_ref().unwrap().as_str());
         assert_eq!((click.image, click.snapped_sigma_px), (exact, Some(0.4)));
     }
-    assert_eq!(bench.app.session.just_snapped, [0, 1]);
+    assert_eq!(bench.app.session.points.just_snapped, [0, 1]);
     assert_eq!(bench.point_orders().len(), 1, "they are not looked for again");
     // The noise that is left: of the paint's place in the picture, and of the place on the ground.
     let solved = bench.app.current().solved().unwrap();

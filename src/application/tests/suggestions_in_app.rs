@@ -96,7 +96,7 @@ fn five_hundred_suggestions_are_no_steps_and_in_none() {
 
 /// Waits until everything that was done is on disk.
 fn settle(headless: &mut Headless) {
-    headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     let out = folder.path().join("out");
     headless.answer(Question::ExportAs(Format::Wc14), &out);
     headless.wait_until("writing", |app| {
-        app.session.notices.iter().any(|notice| notice.text.contains("2 frames written as wc14"))
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("2 frames written as wc14"))
     });
     assert!(out.join("0001.homographyMatrix").is_file());
     assert_eq!(headless.app.session.dialog, None);
@@ -134,7 +134,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     let out = folder.path().join("set");
     headless.answer(Question::DatasetTo, &out);
     headless.wait_until("writing", |app| {
-        app.session.notices.iter().any(|notice| notice.text.contains("Dataset of 2 frames written"))
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("Dataset of 2 frames written"))
     });
     assert!(out.join("manifest.sha256").is_file() && out.join("undistorted/images/train/0001.png").is_file());
     // Once more, stopped at once: nothing temporary stays.
@@ -195,13 +195,16 @@ fn a_typed_path_replaces_no_file_unasked() {
     act(&mut headless, TransferAction::Format(Format::Csv));
     headless.act(Action::View(ViewAction::TypePath(Question::ExportAs(Format::Csv))));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.contains("exists")));
+    headless.wait_until("the refusal", |app| {
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("exists"))
+    });
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
     // A file dialog has asked.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless
-        .wait_until("writing", |app| app.session.notices.iter().any(|notice| notice.text.contains("written as csv")));
+    headless.wait_until("writing", |app| {
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("written as csv"))
+    });
     assert_ne!(std::fs::read_to_string(&precious).unwrap(), "precious");
 }
 
@@ -255,7 +258,7 @@ fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
     act(&mut headless, TransferAction::TakeOver);
     assert_eq!(headless.app.open().unwrap().document.frames, changed, "the change is not taken back");
     let said = "The document changed in the meantime; choose the file again.";
-    assert!(headless.app.session.notices.iter().any(|notice| notice.text == said));
+    assert!(headless.app.session.messages.notices.iter().any(|notice| notice.text == said));
 }
 
 #[test]
@@ -276,6 +279,7 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
     assert!(headless.app.other_picture(1).unwrap().starts_with("the image changed since it was labelled"));
     headless.wait_until("the notice", |app| {
         app.session
+            .messages
             .notices
             .iter()
             .any(|notice| notice.text == "The picture of 0001.png is not the one that was labelled.")

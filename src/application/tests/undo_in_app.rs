@@ -34,7 +34,7 @@ fn new_project(frames: usize) -> (TempDir, PathBuf) {
 }
 
 fn notices(headless: &Headless) -> Vec<&str> {
-    headless.app.session.notices.iter().map(|notice| notice.text.as_str()).collect()
+    headless.app.session.messages.notices.iter().map(|notice| notice.text.as_str()).collect()
 }
 
 impl Headless {
@@ -137,13 +137,13 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     };
     fs::write(path.join("project.json"), theirs).unwrap();
     headless.act(Action::Command(Command::Save));
-    headless.wait_until("the other version", |app| app.session.changed_outside.is_some());
+    headless.wait_until("the other version", |app| app.session.disk.changed_outside.is_some());
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
     headless.wait_until("the merge", |app| app.open().unwrap().document.frames.len() == 6);
     headless.comment(5, "from outside");
     headless.comment(0, "taken back");
     assert!(headless.undo(Command::Undo));
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let last = headless.document();
     let open = headless.app.open().unwrap();
     let (document, history) = (open.document.clone(), open.history.clone());
@@ -195,7 +195,7 @@ fn a_document_to_look_at_only_offers_no_undo() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::opened(&path);
     headless.comment(0, "rain");
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let second = Headless::opened(&path);
     let open = second.app.open().unwrap();
     assert!(open.read_only.is_some() && open.history.is_empty());
@@ -220,7 +220,7 @@ fn child_that_edits_until_it_is_killed() {
         if number % 3 == 0 {
             headless.act(Action::Command(Command::Save));
         }
-        headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
+        headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
         let open = headless.app.open().unwrap();
         println!("undoable {}", open.history.undo_edits(&open.document).count());
     }

@@ -212,8 +212,10 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     let document = document(24, 12, 2.0, &mut rng);
     let before = document.clone();
     let mut app = open(document);
-    let told = |app: &App| app.session.notices.iter().filter(|notice| notice.text.contains("stopped fitting")).count();
-    assert_eq!(told(&app), 1, "{:?}", app.session.notices);
+    let told = |app: &App| {
+        app.session.messages.notices.iter().filter(|notice| notice.text.contains("stopped fitting")).count()
+    };
+    assert_eq!(told(&app), 1, "{:?}", app.session.messages.notices);
     app.update(Action::Navigate(Navigation::GoTo(3)));
     app.update(Action::Edit(EditAction::SetComment("rain".into())));
     assert_eq!(told(&app), 1);
@@ -247,9 +249,9 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
     let second = looks(app.update(report(&first))).remove(0);
     assert!(app.camera_change().unwrap().frame.abs_diff(30) <= 2, "{:?}", app.camera_change());
     assert!(looks(app.update(report(&second))).is_empty(), "the document is as it was looked at");
-    let before = app.session.notices.len();
+    let before = app.session.messages.notices.len();
     app.update(Action::Report(first.panicked("too late".to_owned())));
-    assert_eq!(app.session.notices.len(), before, "nobody waits for it any more");
+    assert_eq!(app.session.messages.notices.len(), before, "nobody waits for it any more");
 }
 
 #[test]
@@ -290,7 +292,7 @@ fn a_new_camera_needs_a_name_of_its_own() {
         }));
     };
     give(&mut app, "main");
-    assert!(app.session.notices.last().unwrap().text.contains("choose another name"));
+    assert!(app.session.messages.notices.last().unwrap().text.contains("choose another name"));
     give(&mut app, " ");
     assert_eq!(*app.open().unwrap().document, before);
     app.update(Action::Navigate(Navigation::GoTo(2)));

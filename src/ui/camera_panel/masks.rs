@@ -26,7 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         row(panel, ui, &Row { list: MaskList::Frame, index, mask, covers: "this frame".to_owned() });
     }
     let command = Command::ShowMasks;
-    let says = if panel.app.session.masks { "Done drawing" } else { "Draw masks" };
+    let says = if panel.app.session.picture.masks { "Done drawing" } else { "Draw masks" };
     if ui.add(Button::new(says).small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
         panel.actions.push(Action::Command(command));
     }

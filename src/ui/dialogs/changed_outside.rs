@@ -22,8 +22,8 @@ const CHOICES: [(OutsideChoice, &str, &str); 3] = [
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Changed by another program", vec2(560.0, 320.0), |panel, ui| {
-        let file = panel.app.session.changed_outside.as_ref().map(|file| file.display().to_string());
-        let own = panel.app.session.own_version.as_ref().map(|own| own.display().to_string());
+        let file = panel.app.session.disk.changed_outside.as_ref().map(|file| file.display().to_string());
+        let own = panel.app.session.disk.own_version.as_ref().map(|own| own.display().to_string());
         let own = own.map_or_else(String::new, |own| format!(" Your version is kept beside it as {own}."));
         let text = format!(
             "Another program changed {} after you opened it.{own} The document is not written until you choose.",

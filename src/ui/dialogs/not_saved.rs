@@ -16,7 +16,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose edits", "Open"),
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
-        let (what, does) = match &panel.app.session.saving {
+        let (what, does) = match &panel.app.session.disk.saving {
             Saving::Failed { message, since } => {
                 let edits = since.as_ref().map_or_else(
                     || "Your edits are only in memory.".to_owned(),

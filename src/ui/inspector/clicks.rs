@@ -52,7 +52,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
 
 fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::PlaceOnLine;
-    let on = panel.app.session.next_on_line;
+    let on = panel.app.session.points.next_on_line;
     let palette = ui.palette();
     let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, palette.accent);
     if response.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
@@ -63,7 +63,7 @@ fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let app = panel.app;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
-    let selected = app.session.selected == Some(index);
+    let selected = app.session.points.selected == Some(index);
     if selected && has_been_selected(ui, index) {
         response.scroll_to_me(None);
     }

@@ -190,13 +190,6 @@ impl BaseEstimateState {
     pub const fn is_open(&self) -> bool {
         self.slot.is_running() || self.proposed().is_some()
     }
-
-    /// The names of a frame's clicks are right now: it is no longer listed as mirrored.
-    pub(in crate::app) fn forget_mirrored(&mut self, frame: usize) {
-        if let LastEstimate::Proposed(found) | LastEstimate::Applied(found) = &mut self.last {
-            Arc::make_mut(found).estimate.mirrored.retain(|mirrored| mirrored.frame != frame);
-        }
-    }
 }
 
 impl App {
@@ -253,6 +246,14 @@ impl App {
         if let Some(found) = self.operations.base_estimate.proposed() {
             let change = BulkChange::Base(Arc::clone(found));
             self.change_in_bulk(Step::on_document("Estimate base"), change, Self::tell_base_used);
+        }
+    }
+
+    /// The names of a frame's clicks are right now: it is no longer listed as mirrored.
+    pub(in crate::app) fn forget_mirrored(&mut self, frame: usize) {
+        let last = &mut self.operations.base_estimate.last;
+        if let LastEstimate::Proposed(found) | LastEstimate::Applied(found) = last {
+            Arc::make_mut(found).estimate.mirrored.retain(|mirrored| mirrored.frame != frame);
         }
     }
 

@@ -102,7 +102,7 @@ impl App {
     /// The same, and the masks can be changed.
     pub(in crate::app) fn change_burnt_in(&mut self) {
         self.keep_burnt_in();
-        self.session.masks = true;
+        self.session.picture.masks = true;
         self.session.panel = SidePanel::Camera;
     }
 

@@ -217,7 +217,7 @@ impl App {
         if down && self.before_snap().is_none() {
             self.command(Command::Snap);
         } else {
-            self.session.held.before_snap = down;
+            self.session.picture.held.before_snap = down;
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The operations, one file each: its input and its work, when it is available, what becomes of its result, and its words.
 //!
-//! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it.
+//! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it: commands of
+//! operations and what starts unasked are listed here, so that the rest of the application names none.
 
 pub mod base_estimate;
 pub mod bulk_solve;
@@ -28,9 +29,10 @@ pub use line_check::PaintSays;
 pub use point_snap::PointSnap;
 pub use shot_search::{FoundShots, ShotProgress, ShotSearch};
 
-use super::Command;
+use super::effect::Effect;
 #[cfg(test)]
 use super::operation::probe::ProbeState;
+use super::{App, Command, Question};
 use base_estimate::BaseEstimateState;
 use bulk_solve::BulkSolveState;
 use burnt_in::BurntInState;
@@ -43,6 +45,8 @@ use line_check::LineChecks;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
+use std::sync::Arc;
+use touchline_calibration::calibrate::EstimatedBase;
 use transfer::TransferState;
 
 /// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
@@ -98,5 +102,79 @@ impl Operations {
             .or_else(|| self.camera_search.under_way())
             .or_else(|| self.clip_tracking.under_way())
             .or_else(|| self.frame_snap.under_way())
+    }
+
+    /// The estimation of a base that is under way: the status row speaks of it once nothing is being clicked.
+    pub(super) fn base_under_way(&self) -> Option<UnderWay> {
+        self.base_estimate.under_way()
+    }
+
+    /// The base that was estimated and waits for a decision.
+    #[must_use]
+    pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
+        self.base_estimate.proposed()
+    }
+}
+
+impl App {
+    /// Why a command of an operation is not available; none if it is, and for other commands.
+    pub(super) fn why_not_operation(&self, command: Command) -> Option<&'static str> {
+        use Command as C;
+        match command {
+            C::EstimateBase | C::FitFieldSize | C::UseEstimatedBase | C::DropEstimatedBase => {
+                self.why_not_base_estimate(command)
+            }
+            C::StopSolving => self.why_not_stop_bulk(),
+            C::KeepBurntIn | C::ChangeBurntIn => self.why_not_decide_burnt_in(),
+            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+                self.why_not_camera_search(command)
+            }
+            C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
+            C::CompareAnnotators => self.why_not_compare(),
+            C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
+            C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
+            _ => None,
+        }
+    }
+
+    /// Carries out a command of an operation.
+    pub(super) fn operation_command(&mut self, command: Command) {
+        use Command as C;
+        match command {
+            C::EstimateBase | C::FitFieldSize | C::UseEstimatedBase | C::DropEstimatedBase => {
+                self.base_estimate_command(command);
+            }
+            C::StopSolving => self.stop_bulk(),
+            C::KeepBurntIn => self.keep_burnt_in(),
+            C::ChangeBurntIn => self.change_burnt_in(),
+            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+                self.camera_search_command(command);
+            }
+            C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
+            C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
+            C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
+            C::FindShots | C::StopShotSearch => self.shot_search_command(command),
+            _ => {}
+        }
+    }
+
+    /// Starts what is worked out unasked of a document that has just been opened.
+    pub(super) fn start_on_opening(&mut self) {
+        self.find_burnt_in();
+        self.find_shots_of_new();
+        self.compare_pictures();
+    }
+
+    /// Takes over what waited for the end of what the user was doing, and what a click has decided.
+    pub(super) fn take_over_what_waited(&mut self) {
+        self.deliver_waiting_reports();
+        self.decide_camera_by_click();
+    }
+
+    /// Starts what is worked out unasked of the document as it is now.
+    pub(super) fn start_unasked(&mut self) {
+        self.watch_camera();
+        self.snap_points();
+        self.check_lines();
     }
 }

@@ -202,7 +202,7 @@ impl App {
                 (click.image, click.snapped_sigma_px) = (snapped.image, Some(snapped.sigma_px));
             }
         }
-        self.session.just_snapped = found.into_iter().map(|(click, _)| click).collect();
+        self.session.points.just_snapped = found.into_iter().map(|(click, _)| click).collect();
         self.clicks_changed();
         self.commit();
     }

@@ -9,7 +9,7 @@ impl App {
     /// What the pointer does over the picture.
     pub(super) fn point(&mut self, action: PointerAction) {
         match action {
-            PointerAction::Hover(at) => self.session.hover = at,
+            PointerAction::Hover(at) => self.session.points.hover = at,
             PointerAction::Press { at, on } => {
                 self.session.video.playing = false;
                 self.press(at, on);
@@ -23,8 +23,8 @@ impl App {
     /// Changes how something is shown.
     pub(super) fn show(&mut self, action: ViewAction) {
         match action {
-            ViewAction::Picture(view) => self.session.view = view,
-            ViewAction::FitScale(scale) => self.session.fit_scale = scale,
+            ViewAction::Picture(view) => self.session.picture.view = view,
+            ViewAction::FitScale(scale) => self.session.picture.fit_scale = scale,
             ViewAction::SelectNoFrames => self.session.frames_selected.clear(),
             ViewAction::SetFilter(filter) => self.session.filter = filter,
             ViewAction::HoldReview(held) => self.session.review.held = held,
@@ -38,7 +38,7 @@ impl App {
             ViewAction::ShowSpan(span) => self.show_span(span),
             ViewAction::CloseDialog => self.close_dialog(),
             ViewAction::ShowGuidePage(page) => self.show_guide_page(page),
-            ViewAction::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
+            ViewAction::DismissNotice(id) => self.session.messages.notices.retain(|notice| notice.id != id),
             ViewAction::Notify(level, text) => self.session.notify(level, text),
             ViewAction::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
             ViewAction::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
@@ -99,12 +99,12 @@ impl App {
     pub(super) fn take_from_disk(&mut self, action: DiskReport) {
         match action {
             DiskReport::Progress(text) => {
-                if self.session.opening.is_some() {
-                    self.session.opening = Some(text);
+                if self.session.disk.opening.is_some() {
+                    self.session.disk.opening = Some(text);
                 }
             }
             DiskReport::AlreadyOpen(file) => {
-                self.session.opening = None;
+                self.session.disk.opening = None;
                 if self.tour_waits {
                     self.begin_waiting_tour();
                 } else {
@@ -112,7 +112,7 @@ impl App {
                 }
             }
             DiskReport::Failed(message) => {
-                self.session.opening = None;
+                self.session.disk.opening = None;
                 self.tour_waits = false;
                 self.session.notify(Level::Error, message);
             }
@@ -121,7 +121,7 @@ impl App {
             DiskReport::Saved { revision, at, document } => self.saved(revision, at, document),
             DiskReport::SaveFailed(message) => self.save_failed(message),
             DiskReport::Copied(path) => {
-                self.session.copies.written = self.session.copies.begun.take();
+                self.session.disk.copies.written = self.session.disk.copies.begun.take();
                 self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
             }
             DiskReport::WholeWanted => self.journal_whole(),

@@ -58,7 +58,7 @@ impl App {
             }
             self.clicks_changed();
             self.commit();
-            self.operations.base_estimate.forget_mirrored(index);
+            self.forget_mirrored(index);
         }
     }
 

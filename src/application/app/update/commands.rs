@@ -22,13 +22,13 @@ impl App {
         use Command as C;
         let no_document = self.open.is_none();
         let no_frame = self.frame().is_none();
-        let no_selection = self.session.selected.is_none();
+        let no_selection = self.session.points.selected.is_none();
         match command {
             _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
             C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
             C::LeaveTour => self.session.tour.is_none().then_some("No tour is under way."),
-            C::DismissNotices if self.session.notices.is_empty() => Some("There are no messages."),
+            C::DismissNotices if self.session.messages.notices.is_empty() => Some("There are no messages."),
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
@@ -50,7 +50,7 @@ impl App {
             C::OverlayStyle | C::PictureLook => None,
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("No document is open."),
-            C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
+            C::Orphans if self.session.disk.orphans.is_empty() => Some("No edits were set aside beside this document."),
             C::Save | C::Import | C::ChooseSport if self.is_read_only() => Some("The document is read-only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
@@ -76,7 +76,6 @@ impl App {
             }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
             C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
-            C::CompareAnnotators => self.why_not_compare(),
             C::ChooseGold if !self.gold().can_choose => {
                 Some("Every suitable reference is gold already. Accept more frames first.")
             }
@@ -91,8 +90,9 @@ impl App {
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is confirmed already.")
             }
-            C::KeepBurntIn | C::ChangeBurntIn => self.why_not_decide_burnt_in(),
-            C::Accept | C::AcceptAndStay if self.session.masks => Some("Masks are being drawn: Esc ends that first."),
+            C::Accept | C::AcceptAndStay if self.session.picture.masks => {
+                Some("Masks are being drawn: Esc ends that first.")
+            }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::AssignToCamera
             | C::NewCameraFromChange
@@ -109,21 +109,11 @@ impl App {
             {
                 Some("This frame does not come from a video.")
             }
-            C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
-            C::StopSolving => self.why_not_stop_bulk(),
-            C::EstimateBase | C::FitFieldSize | C::UseEstimatedBase | C::DropEstimatedBase => {
-                self.why_not_base_estimate(command)
-            }
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
-            C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
-            C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
-            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
-                self.why_not_camera_search(command)
-            }
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
-            _ => None,
+            _ => self.why_not_operation(command),
         }
     }
 
@@ -168,22 +158,22 @@ impl App {
             C::Undo => self.undo(true),
             C::Redo => self.undo(false),
             C::DeleteClick => {
-                if let Some(click) = self.session.selected {
+                if let Some(click) = self.session.points.selected {
                     self.delete_click(click);
                 }
             }
             C::RenameClick => {
-                if let Some(click) = self.session.selected {
+                if let Some(click) = self.session.points.selected {
                     self.open_naming(click);
                 }
             }
             C::NameNext => self.name_next(),
             C::PlaceOnLine => match &self.session.mode {
                 Mode::Naming(naming) => self.offer_lines(!naming.lines),
-                _ => self.session.next_on_line = !self.session.next_on_line,
+                _ => self.session.points.next_on_line = !self.session.points.next_on_line,
             },
             C::ToggleCheck => {
-                let selected = self.session.selected;
+                let selected = self.session.points.selected;
                 let check = selected.and_then(|click| Some(self.frame()?.clicks.get(click)?.check));
                 if let (Some(click), Some(check)) = (selected, check) {
                     self.set_check(click, !check);
@@ -205,7 +195,6 @@ impl App {
             C::PlayPause => self.toggle_playing(),
             C::NextShot => self.go_to_shot(true),
             C::PreviousShot => self.go_to_shot(false),
-            C::FindShots | C::StopShotSearch => self.shot_search_command(command),
             C::AddCut => self.add_cut(),
             C::MoveCutHere => self.move_cut_here(),
             C::RemoveCut => self.remove_cut(),
@@ -230,7 +219,6 @@ impl App {
             C::SkipAgain => self.skip_again(),
             C::UseOwnNoise => self.use_own_noise(),
             C::UseUsualNoise => self.use_usual_noise(),
-            C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Reject => self.ask_reject(false),
             C::RejectShot => self.ask_reject(true),
             C::Comment => {
@@ -239,17 +227,15 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
-            C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
-            C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
-            C::ZoomToFit => self.session.view = PictureView::Fit,
+            C::ZoomToFit => self.session.picture.view = PictureView::Fit,
             C::ZoomToClick => self.zoom_to_click(),
-            C::HideOverlay => self.session.held.hide_overlay = !self.session.held.hide_overlay,
-            C::Compare => self.session.held.compare = !self.session.held.compare,
+            C::HideOverlay => self.session.picture.held.hide_overlay = !self.session.picture.held.hide_overlay,
+            C::Compare => self.session.picture.held.compare = !self.session.picture.held.compare,
             C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
-            C::ShowMasks => self.session.masks = !self.session.masks,
+            C::ShowMasks => self.session.picture.masks = !self.session.picture.masks,
             C::ShowFieldMap => {
                 self.settings.field_map = !self.settings.field_map;
                 self.effects.push(Effect::SaveSettings);
@@ -276,38 +262,49 @@ impl App {
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
             C::NewCameraFromChange => self.new_camera_from_change(),
-            C::KeepBurntIn => self.keep_burnt_in(),
-            C::ChangeBurntIn => self.change_burnt_in(),
-            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
-                self.camera_search_command(command);
-            }
-            C::EstimateBase | C::FitFieldSize | C::UseEstimatedBase | C::DropEstimatedBase => {
-                self.base_estimate_command(command);
-            }
             C::ShowForBase => self.show_for_base(),
-            C::StopSolving => self.stop_bulk(),
             C::UseForBase => {
                 let used = self.frame().is_some_and(|frame| !frame.use_for_base);
                 self.use_for_base(self.session.frame, used);
             }
-            C::Uncertainty => self.session.uncertainty = self.session.uncertainty.next(),
+            C::Uncertainty => self.session.picture.uncertainty = self.session.picture.uncertainty.next(),
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
             C::Messages => self.session.dialog = Some(Dialog::Messages),
-            C::DismissNotices => self.session.notices.clear(),
+            C::DismissNotices => self.session.messages.notices.clear(),
             C::ChooseSport => self.session.dialog = Some(Dialog::Sport),
             C::PictureLook => self.session.dialog = Some(Dialog::PictureLook),
             C::Preferences => self.session.dialog = Some(Dialog::Preferences),
             C::Guide => self.open_guide(),
             C::About => self.session.dialog = Some(Dialog::About),
+            C::EstimateBase
+            | C::FitFieldSize
+            | C::UseEstimatedBase
+            | C::DropEstimatedBase
+            | C::StopSolving
+            | C::KeepBurntIn
+            | C::ChangeBurntIn
+            | C::FindCamera
+            | C::StopFindCamera
+            | C::TryFirstCamera
+            | C::TryOtherCamera
+            | C::Track
+            | C::DiscardCarried
+            | C::StopTracking
+            | C::CompareAnnotators
+            | C::Snap
+            | C::SearchLines
+            | C::StopSearch
+            | C::FindShots
+            | C::StopShotSearch => self.operation_command(command),
         }
     }
 
     pub(super) fn hold(&mut self, command: Command, down: bool) {
         match command {
-            Command::HideOverlay => self.session.held.hide_overlay = down,
+            Command::HideOverlay => self.session.picture.held.hide_overlay = down,
             Command::Snap => self.hold_snap(down),
-            Command::Compare => self.session.held.compare = down && self.why_not(command).is_none(),
+            Command::Compare => self.session.picture.held.compare = down && self.why_not(command).is_none(),
             _ => {}
         }
     }
@@ -318,9 +315,9 @@ impl App {
             self.close_dialog();
             return;
         }
-        if self.session.opening.take().is_some() {
+        if self.session.disk.opening.take().is_some() {
             self.tour_waits = false;
-            self.session.leaving = None;
+            self.session.disk.leaving = None;
             self.effects.push(Effect::CancelOpening);
             return;
         }
@@ -328,11 +325,11 @@ impl App {
             self.session.quality.open = false;
             return;
         }
-        if self.session.mode == Mode::Idle && self.operations.base_estimate.is_open() {
+        if self.session.mode == Mode::Idle && self.why_not(Command::DropEstimatedBase).is_none() {
             self.drop_estimated_base();
             return;
         }
-        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.masks) {
+        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.picture.masks) {
             return;
         }
         match &self.session.mode {
@@ -341,7 +338,7 @@ impl App {
                 let (click, refines) = (naming.click, naming.refines);
                 self.leave_naming();
                 // It has the name that it gave itself, which nobody has confirmed.
-                self.session.named_unasked = refines.then_some(click);
+                self.session.points.named_unasked = refines.then_some(click);
                 // A point that was just placed and gets no name was not meant.
                 let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
                 if unnamed.is_some_and(|click| click.target.is_none()) {
@@ -350,9 +347,9 @@ impl App {
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
             Mode::ClickingAgain(_) => self.end_round(),
-            Mode::Idle if self.session.next_on_line => self.session.next_on_line = false,
-            Mode::Idle if self.session.selected.is_none() => self.session.frames_selected.clear(),
-            Mode::Idle => self.session.selected = None,
+            Mode::Idle if self.session.points.next_on_line => self.session.points.next_on_line = false,
+            Mode::Idle if self.session.points.selected.is_none() => self.session.frames_selected.clear(),
+            Mode::Idle => self.session.points.selected = None,
         }
     }
 
@@ -383,12 +380,12 @@ impl App {
 
     fn zoom_by(&mut self, factor: f64) {
         let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
-        let (scale, centre) = match self.session.view {
+        let (scale, centre) = match self.session.picture.view {
             PictureView::Zoomed { scale, centre } => (scale, centre),
-            PictureView::Fit => (self.session.fit_scale, size.centre()),
+            PictureView::Fit => (self.session.picture.fit_scale, size.centre()),
         };
         let wanted = scale * factor;
-        self.session.view = if wanted <= self.session.fit_scale {
+        self.session.picture.view = if wanted <= self.session.picture.fit_scale {
             PictureView::Fit
         } else {
             PictureView::Zoomed { scale: wanted.min(MAX_SCALE), centre }
@@ -396,9 +393,9 @@ impl App {
     }
 
     fn zoom_to_click(&mut self) {
-        let click = self.session.selected.and_then(|click| self.frame()?.clicks.get(click));
+        let click = self.session.points.selected.and_then(|click| self.frame()?.clicks.get(click));
         if let Some(centre) = click.map(|click| click.image) {
-            self.session.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
+            self.session.picture.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
         }
     }
 

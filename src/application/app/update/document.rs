@@ -22,14 +22,14 @@ impl App {
     }
 
     pub(super) fn begin_opening_demo(&mut self) {
-        self.session.opening = Some("Opening the demo match…".to_owned());
+        self.session.disk.opening = Some("Opening the demo match…".to_owned());
         self.effects.push(Effect::Open(Opening::Demo));
     }
 
     pub(super) fn begin_opening(&mut self, path: PathBuf) {
         // What failed before is answered by another try.
-        self.session.notices.retain(|notice| notice.level != Level::Error);
-        self.session.opening = Some(format!("Opening {}…", path.display()));
+        self.session.messages.notices.retain(|notice| notice.level != Level::Error);
+        self.session.disk.opening = Some(format!("Opening {}…", path.display()));
         self.effects.push(Effect::Open(Opening::Path(path)));
     }
 
@@ -37,9 +37,9 @@ impl App {
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
-        let told = std::mem::take(&mut self.session.told);
+        let told = std::mem::take(&mut self.session.messages.log);
         self.session = Session::default();
-        self.session.told = told;
+        self.session.messages.log = told;
         self.session.trainer = trainer;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
@@ -52,7 +52,7 @@ impl App {
             self.session.dialog = Some(Dialog::Sport);
             self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
         }
-        self.session.orphans.clone_from(&opened.orphans);
+        self.session.disk.orphans.clone_from(&opened.orphans);
         self.tell_orphans();
         self.settings.remember(&opened.file);
         self.effects.push(Effect::SaveSettings);
@@ -67,9 +67,7 @@ impl App {
         self.session.unticked.clear();
         self.begin_waiting_tour();
         self.offer_tour();
-        self.find_burnt_in();
-        self.find_shots_of_new();
-        self.compare_pictures();
+        self.start_on_opening();
     }
 
     /// Asks for the field templates that the document came to name.
@@ -100,8 +98,8 @@ impl App {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
-            self.session.save_requests += 1;
-            self.effects.push(Effect::Save { request: self.session.save_requests });
+            self.session.disk.save_requests += 1;
+            self.effects.push(Effect::Save { request: self.session.disk.save_requests });
         }
     }
 
@@ -113,7 +111,7 @@ impl App {
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
             (Question::CopyTo, Some(open)) => {
-                self.session.copies.begun = Some(open.revision);
+                self.session.disk.copies.begun = Some(open.revision);
                 self.effects.push(Effect::SaveCopy {
                     document: open.document.clone(),
                     from: open.folder.clone(),
@@ -132,12 +130,12 @@ impl App {
     pub(super) fn saved(&mut self, revision: u64, at: String, document: Option<u64>) {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
-            self.session.saving = Saving::Saved { at };
+            self.session.disk.saving = Saving::Saved { at };
             if document.is_some() {
-                self.session.changed_outside = None;
+                self.session.disk.changed_outside = None;
                 // The document holds it now.
-                if let Some(own) = self.session.own_version.take() {
-                    self.session.orphans.retain(|orphan| orphan.path != own);
+                if let Some(own) = self.session.disk.own_version.take() {
+                    self.session.disk.orphans.retain(|orphan| orphan.path != own);
                 }
             }
             self.go_on_leaving(document);
@@ -145,12 +143,12 @@ impl App {
     }
 
     pub(super) fn save_failed(&mut self, message: String) {
-        let since = match std::mem::take(&mut self.session.saving) {
+        let since = match std::mem::take(&mut self.session.disk.saving) {
             Saving::Saved { at } => Some(at),
             Saving::Failed { since, .. } => since,
             Saving::Untouched | Saving::Pending => None,
         };
-        self.session.saving = Saving::Failed { message, since };
+        self.session.disk.saving = Saving::Failed { message, since };
         if let Some(leaving) = self.stay()
             && self.is_unsaved()
         {
@@ -219,7 +217,7 @@ mod tests {
         let missing = FieldError::Unreadable { place: "own.json".to_owned(), problem };
         app.update(read("/match/project.json", Err(missing)));
         assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
-        let said = app.session.notices.last().map(|notice| notice.text.as_str());
+        let said = app.session.messages.notices.last().map(|notice| notice.text.as_str());
         let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
         assert_eq!(said, Some(wanted));
         assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), [], "a file is not tried again unasked");

@@ -106,13 +106,13 @@ impl App {
         if open.history.is_open() {
             self.commit();
         }
-        self.session.selected = None;
+        self.session.points.selected = None;
         self.session.forget_placed();
-        self.session.next_on_line = false;
-        self.session.masks = false;
-        self.session.held = crate::app::session::Held::default();
+        self.session.points.next_on_line = false;
+        self.session.picture.masks = false;
+        self.session.picture.held = crate::app::session::Held::default();
         self.session.quality.open = false;
-        self.session.view = PictureView::Fit;
+        self.session.picture.view = PictureView::Fit;
         self.session.mode = Mode::ClickingAgain(round);
         self.show_asked();
     }
@@ -122,8 +122,8 @@ impl App {
         match self.round().map(|round| round.asked().cloned()) {
             Some(Some(Asked { frame, .. })) if frame != self.session.frame => {
                 self.session.frame = frame;
-                self.session.hover = None;
-                self.session.view = PictureView::Fit;
+                self.session.points.hover = None;
+                self.session.picture.view = PictureView::Fit;
             }
             Some(None) => self.end_round(),
             _ => {}

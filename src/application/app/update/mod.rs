@@ -85,28 +85,33 @@ impl App {
 
     /// Changes state; what the outside then has to do is returned in order.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
-        let before = self.current.readiness;
-        let names_or_clicks = self.open.as_ref().map(|open| open.revision);
+        let (readiness, revision) = (self.current.readiness, self.revision());
         self.tell_tour(&action);
         self.apply(action);
-        self.deliver_waiting_reports();
-        self.decide_camera_by_click();
-        let proposed = self.operations.base_estimate.proposed();
+        self.take_over_what_waited();
+        self.refresh_derived();
+        if self.revision() != revision {
+            self.tell_when_enough(readiness);
+        }
+        self.advance_tour();
+        self.start_unasked();
+        self.tell_trainer();
+        self.read_templates();
+        std::mem::take(&mut self.effects)
+    }
+
+    fn revision(&self) -> Option<u64> {
+        self.open.as_ref().map(|open| open.revision)
+    }
+
+    /// Works out again what follows from the document and the session and has changed, in the order in which one rests on another.
+    fn refresh_derived(&mut self) {
+        let proposed = self.operations.proposed_base();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take(), proposed);
         self.refresh_review();
         self.refresh_accept_sheet();
         self.quality.refresh(self.open.as_mut(), &self.session);
         self.refresh_gold();
-        if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
-            self.tell_when_enough(before);
-        }
-        self.advance_tour();
-        self.watch_camera();
-        self.tell_trainer();
-        self.snap_points();
-        self.check_lines();
-        self.read_templates();
-        std::mem::take(&mut self.effects)
     }
 
     fn apply(&mut self, action: Action) {
@@ -212,8 +217,8 @@ impl App {
     pub(in crate::app) fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
         if let Some(edit) = open.take_edit(name, kind) {
-            if !matches!(self.session.saving, Saving::Failed { .. }) {
-                self.session.saving = Saving::Pending;
+            if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
+                self.session.disk.saving = Saving::Pending;
             }
             self.effects.push(Effect::Journal { edit, revision: open.revision });
         }
@@ -257,7 +262,7 @@ impl App {
 
     fn clamp_selection(&mut self) {
         let clicks = self.frame().map_or(0, |frame| frame.clicks.len());
-        self.session.selected = self.session.selected.filter(|selected| *selected < clicks);
+        self.session.points.selected = self.session.points.selected.filter(|selected| *selected < clicks);
     }
 }
 

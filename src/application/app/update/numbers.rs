@@ -225,8 +225,9 @@ mod tests {
             });
             let written = Report::of_end::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
             app.update(Action::Report(written));
-            let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
-            assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
+            let offers =
+                |app: &App| app.session.messages.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
+            assert_eq!(offers(&app), 1, "{:?}", app.session.messages.notices);
             app.update(Action::Command(Command::ConfirmFieldSize));
             assert_eq!((app.shown_field_spec().unwrap().assumed_size(), offers(&app)), (None, 0));
             assert!(app.why_not(Command::ConfirmFieldSize).is_some());

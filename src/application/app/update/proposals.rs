@@ -33,8 +33,8 @@ impl App {
     fn journal_suggested(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
         self.effects.push(Effect::Journal { edit, revision: open.revision });
-        if !matches!(self.session.saving, Saving::Failed { .. }) {
-            self.session.saving = Saving::Pending;
+        if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
+            self.session.disk.saving = Saving::Pending;
         }
     }
 

@@ -20,7 +20,7 @@ impl App {
     }
 
     /// Takes the reports that no longer have to wait.
-    pub(super) fn deliver_waiting_reports(&mut self) {
+    pub(in crate::app) fn deliver_waiting_reports(&mut self) {
         for report in std::mem::take(&mut self.waiting_reports) {
             self.receive(report);
         }
