@@ -80,6 +80,7 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::Track,
             Command::StopTracking,
             Command::DiscardCarried,
+            Command::TakeLength,
         ],
     ),
     (

@@ -74,6 +74,7 @@ pub enum Command {
     Track,
     DiscardCarried,
     StopTracking,
+    TakeLength,
     ShowForBase,
     StopSearch,
     SnapPoints,
@@ -201,6 +202,7 @@ rows! {
     SearchLines, "search_lines", Frame, Picture, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. One step of undo.", [];
     Track, "track", Frame, Picture, "Carry cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
     DiscardCarried, "discard_carried", Frame, Picture, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
+    TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the carried frames ask for, where nobody has stated it. One step of undo.", [];
     StopTracking, "stop_tracking", Frame, Picture, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
     StopSearch, "stop_search", Frame, Picture, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
     SnapPoints, "snap_points", Edit, Application, "Snap points to the paint", "A point that you place or drop moves to the painted corner, crossing or spot that it names, where that is certain. Hold Alt while releasing to keep it where it is.", [];

@@ -129,7 +129,7 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.why_not_camera_search(command)
             }
-            C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
+            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength => self.why_not_clip_tracking(command),
             C::CompareAnnotators => self.why_not_compare(),
             C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
@@ -150,7 +150,7 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.camera_search_command(command);
             }
-            C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
+            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength => self.clip_tracking_command(command),
             C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
             C::FindShots | C::StopShotSearch => self.shot_search_command(command),

@@ -291,6 +291,7 @@ impl App {
             | C::Track
             | C::DiscardCarried
             | C::StopTracking
+            | C::TakeLength
             | C::CompareAnnotators
             | C::Snap
             | C::SearchLines
