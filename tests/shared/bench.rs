@@ -57,11 +57,11 @@ impl Bench {
 
     /// The request of an operation that was started last.
     pub fn started<O: Operation>(&self) -> Job {
-        let jobs = self.effects.iter().filter_map(|effect| match effect {
+        let mut jobs = self.effects.iter().filter_map(|effect| match effect {
             Effect::Start(job) if job.name() == O::NAME => Some(job),
             _ => None,
         });
-        jobs.last().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
+        jobs.next_back().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
     }
 
     /// The operation that was started last has come this far.

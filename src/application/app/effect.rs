@@ -23,7 +23,7 @@ pub enum Effect {
     /// Append an edit to the journal.
     Journal {
         /// What changed.
-        edit: Edit,
+        edit: Box<Edit>,
         /// The document's revision with it.
         revision: u64,
     },
@@ -55,7 +55,7 @@ pub enum Effect {
     /// Write a copy of the project into a folder.
     SaveCopy {
         /// The document.
-        document: Document,
+        document: Box<Document>,
         /// The folder that its relative paths start from.
         from: PathBuf,
         /// Where.

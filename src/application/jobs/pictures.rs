@@ -111,7 +111,7 @@ impl Pictures {
         for report in self.decoder.poll() {
             match report {
                 DecoderReport::Notice(notice) => {
-                    news.actions.push(Action::View(ViewAction::Notify(Level::Warning, notice.to_string())))
+                    news.actions.push(Action::View(ViewAction::Notify(Level::Warning, notice.to_string())));
                 }
                 DecoderReport::Panicked { frame, message } => {
                     let text = format!("{frame}: internal error (please report it): {message}");

@@ -133,9 +133,9 @@ impl Runner {
                 }
             }
             Effect::Journal { edit, revision } => match &self.saver {
-                Some(saver) => saver.edit(edit, revision),
+                Some(saver) => saver.edit(*edit, revision),
                 None => {
-                    self.reports.push(Action::Disk(DiskReport::SaveFailed("nothing is open for writing".to_owned())))
+                    self.reports.push(Action::Disk(DiskReport::SaveFailed("nothing is open for writing".to_owned())));
                 }
             },
             Effect::JournalWhole { document, history, revision } => {
@@ -179,7 +179,7 @@ impl Runner {
                         actions.push(Action::Disk(DiskReport::AlreadyOpen(file)));
                     }
                     BackgroundReport::Done(Err(error)) => {
-                        actions.push(Action::Disk(DiskReport::Failed(error.to_string())))
+                        actions.push(Action::Disk(DiskReport::Failed(error.to_string())));
                     }
                     BackgroundReport::Panicked(message) => {
                         actions.push(Action::Disk(DiskReport::Failed(format!(

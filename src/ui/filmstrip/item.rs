@@ -52,10 +52,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
         let modifiers = ui.input(|input| input.modifiers);
         match (modifiers.shift, modifiers.command) {
             (true, _) => {
-                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Range }))
+                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Range }));
             }
             (false, true) => {
-                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Toggle }))
+                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Toggle }));
             }
             (false, false) => panel
                 .actions

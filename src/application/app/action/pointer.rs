@@ -3,7 +3,7 @@
 use touchline_core::geometry::ImagePoint;
 
 /// What the pointer does over the picture: what has been begun decides what it means.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointerAction {
     /// The pointer is over the picture, or left it.
     Hover(Option<ImagePoint>),

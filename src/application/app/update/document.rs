@@ -113,7 +113,7 @@ impl App {
             (Question::CopyTo, Some(open)) => {
                 self.session.disk.copies.begun = Some(open.revision);
                 self.effects.push(Effect::SaveCopy {
-                    document: open.document.clone(),
+                    document: Box::new((*open.document).clone()),
                     from: open.folder.clone(),
                     folder: path,
                 });

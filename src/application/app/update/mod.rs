@@ -220,7 +220,7 @@ impl App {
             if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
                 self.session.disk.saving = Saving::Pending;
             }
-            self.effects.push(Effect::Journal { edit, revision: open.revision });
+            self.effects.push(Effect::Journal { edit: Box::new(edit), revision: open.revision });
         }
     }
 

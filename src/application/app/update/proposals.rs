@@ -32,7 +32,7 @@ impl App {
 
     fn journal_suggested(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
-        self.effects.push(Effect::Journal { edit, revision: open.revision });
+        self.effects.push(Effect::Journal { edit: Box::new(edit), revision: open.revision });
         if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
             self.session.disk.saving = Saving::Pending;
         }
