@@ -27,7 +27,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .color(ui.palette().text),
         );
         ui.add_space(theme::SPACE);
-        if let Some(opening) = &panel.app.session.opening {
+        if let Some(opening) = &panel.app.session.disk.opening {
             ui.spinner();
             ui.label(RichText::new(opening).color(ui.palette().accent));
             if ui.button("Cancel").on_hover_text("Stop opening. (Esc)").clicked() {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use touchline_application::app::{Action, Question};
+use touchline_application::app::{Action, Question, ViewAction};
 use touchline_application::jobs::{Background, BackgroundReport, Wake};
 
 /// Image, video and document files as the dialogs filter them.
@@ -54,7 +54,7 @@ impl Files {
     /// What was chosen, once it has been; nothing if cancelled. Where no dialog could open, the path is typed instead.
     pub fn poll(&mut self) -> Option<Action> {
         if let Some(question) = self.failed.take() {
-            return Some(Action::TypePath(question));
+            return Some(Action::View(ViewAction::TypePath(question)));
         }
         let (question, task) = self.open.as_mut()?;
         let (question, report) = (*question, task.poll()?);
@@ -62,7 +62,7 @@ impl Files {
         match report {
             BackgroundReport::Done(Picked::Path(path)) => Some(Action::Answer(question, path)),
             BackgroundReport::Done(Picked::NoDialog) | BackgroundReport::Panicked(_) => {
-                Some(Action::TypePath(question))
+                Some(Action::View(ViewAction::TypePath(question)))
             }
             BackgroundReport::Done(Picked::Nothing) | BackgroundReport::Progress(()) => None,
         }
@@ -132,7 +132,7 @@ mod tests {
         let task = Background::spawn("file dialog", files.wake.clone(), |_| ask_and_time(|| None)).unwrap();
         files.open = Some((Question::Project, task));
         std::thread::sleep(2 * NO_DIALOG);
-        assert!(matches!(files.poll(), Some(Action::TypePath(Question::Project))));
+        assert!(matches!(files.poll(), Some(Action::View(ViewAction::TypePath(Question::Project)))));
         let cancelled = ask_and_time(|| {
             std::thread::sleep(NO_DIALOG);
             None

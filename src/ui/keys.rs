@@ -6,7 +6,7 @@
 use super::dialogs;
 use egui::{Event, FocusDirection, Key, Modifiers};
 use touchline_application::app::session::{Dialog, Held, Mode};
-use touchline_application::app::{Action, App, Chord, Command};
+use touchline_application::app::{Action, App, Chord, Command, EditAction, ViewAction};
 
 /// How far an arrow key moves the selected point, px of the picture: alone, with Shift, with Alt.
 const NUDGE_PX: [f64; 3] = [0.1, 1.0, 10.0];
@@ -75,7 +75,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
         // Tab was a command: the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
-    if !window_focused && app.session.held != Held::default() {
+    if !window_focused && app.session.picture.held != Held::default() {
         asked.push(Action::Hold(Command::HideOverlay, false));
         asked.push(Action::Hold(Command::Compare, false));
         asked.push(Action::Hold(Command::Snap, false));
@@ -96,7 +96,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     if let Some(dialog) = &app.session.dialog {
         let opens_it = command.is_some_and(|command| opens(command, dialog));
         if stroke.key == Key::Escape || opens_it && (focus != Focus::Text || stroke.modifiers.command) {
-            return Some(Action::CloseDialog);
+            return Some(Action::View(ViewAction::CloseDialog));
         }
         if command == Some(Command::Guide) && is_free(&stroke, focus) {
             return Some(Action::Command(Command::Guide));
@@ -142,14 +142,14 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
         Key::ArrowDown => (0.0, 1.0),
         _ => return None,
     };
-    app.session.selected.filter(|_| !app.session.quality.open)?;
+    app.session.points.selected.filter(|_| !app.session.quality.open)?;
     let step = match (stroke.modifiers.shift, stroke.modifiers.alt, stroke.modifiers.command) {
         (false, false, false) => NUDGE_PX[0],
         (true, false, false) => NUDGE_PX[1],
         (false, true, false) => NUDGE_PX[2],
         _ => return None,
     };
-    Some(Action::Nudge { dx_px: dx * step, dy_px: dy * step, held: stroke.repeat })
+    Some(Action::Edit(EditAction::Nudge { dx_px: dx * step, dy_px: dy * step, held: stroke.repeat }))
 }
 
 /// Whether a key is not used by the focused control.
@@ -248,9 +248,9 @@ fn opens(command: Command, dialog: &Dialog) -> bool {
 
 fn is_held_down(app: &App, command: Command) -> bool {
     match command {
-        Command::HideOverlay => app.session.held.hide_overlay,
-        Command::Compare => app.session.held.compare,
-        Command::Snap => app.session.held.before_snap,
+        Command::HideOverlay => app.session.picture.held.hide_overlay,
+        Command::Compare => app.session.picture.held.compare,
+        Command::Snap => app.session.picture.held.before_snap,
         _ => false,
     }
 }
@@ -258,6 +258,7 @@ fn is_held_down(app: &App, command: Command) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_application::app::Navigation;
     use touchline_application::app::{Opened, Settings};
     use touchline_core::geometry::{ImagePoint, ImageSize};
     use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame};
@@ -315,15 +316,18 @@ mod tests {
     fn arrows_nudge_the_selected_point_and_nothing_else() {
         let mut app = app();
         assert_eq!(press(&app, Key::ArrowLeft, NONE), None);
-        app.update(Action::Select(Some(0)));
-        assert_eq!(press(&app, Key::ArrowLeft, NONE), Some(Action::Nudge { dx_px: -0.1, dy_px: 0.0, held: false }));
+        app.update(Action::Navigate(Navigation::Select(Some(0))));
+        assert_eq!(
+            press(&app, Key::ArrowLeft, NONE),
+            Some(Action::Edit(EditAction::Nudge { dx_px: -0.1, dy_px: 0.0, held: false }))
+        );
         assert_eq!(
             press(&app, Key::ArrowDown, Modifiers::SHIFT),
-            Some(Action::Nudge { dx_px: 0.0, dy_px: 1.0, held: false })
+            Some(Action::Edit(EditAction::Nudge { dx_px: 0.0, dy_px: 1.0, held: false }))
         );
         assert_eq!(
             press(&app, Key::ArrowUp, Modifiers::ALT),
-            Some(Action::Nudge { dx_px: 0.0, dy_px: -10.0, held: false })
+            Some(Action::Edit(EditAction::Nudge { dx_px: 0.0, dy_px: -10.0, held: false }))
         );
         assert_eq!(press(&app, Key::ArrowUp, Modifiers::COMMAND), None);
     }
@@ -338,7 +342,7 @@ mod tests {
         );
         assert_eq!(meaning(&app, stroke(Key::Z, Modifiers::COMMAND), Focus::Text), None);
         assert_eq!(meaning(&app, stroke(Key::Enter, NONE), Focus::Widget), None);
-        app.update(Action::Select(Some(0)));
+        app.update(Action::Navigate(Navigation::Select(Some(0))));
         app.update(Action::Command(Command::RenameClick));
         for key in [Key::N, Key::Num3, Key::Enter, Key::X] {
             assert_eq!(press(&app, key, NONE), None);
@@ -374,11 +378,14 @@ mod tests {
         let mut app = app();
         app.update(Action::Command(Command::Palette));
         assert_eq!(press(&app, Key::N, NONE), None);
-        assert_eq!(meaning(&app, stroke(Key::Escape, NONE), Focus::Text), Some(Action::CloseDialog));
-        assert_eq!(meaning(&app, stroke(Key::K, Modifiers::COMMAND), Focus::Text), Some(Action::CloseDialog));
-        app.update(Action::CloseDialog);
+        assert_eq!(meaning(&app, stroke(Key::Escape, NONE), Focus::Text), Some(Action::View(ViewAction::CloseDialog)));
+        assert_eq!(
+            meaning(&app, stroke(Key::K, Modifiers::COMMAND), Focus::Text),
+            Some(Action::View(ViewAction::CloseDialog))
+        );
+        app.update(Action::View(ViewAction::CloseDialog));
         app.update(Action::Command(Command::OverlayStyle));
         assert_eq!(press(&app, Key::Period, NONE), Some(Action::Command(Command::NextFrame)));
-        assert_eq!(press(&app, Key::O, NONE), Some(Action::CloseDialog));
+        assert_eq!(press(&app, Key::O, NONE), Some(Action::View(ViewAction::CloseDialog)));
     }
 }

@@ -6,8 +6,8 @@ use super::{
     review, status, theme::Themed as _, timeline, tour, trainer, typing, viewport,
 };
 use egui::{Frame, Margin, Ui};
-use touchline_application::app::Action;
 use touchline_application::app::session::SidePanel;
+use touchline_application::app::{Action, SettingsAction};
 
 /// The height of the menu row, the row of messages and the status row, points.
 const ROW: f32 = 24.0;
@@ -26,7 +26,7 @@ fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>;
     };
     let [side, filmstrip] = [of(0), of(1)];
     if [side, filmstrip] != remembered {
-        panel.actions.push(Action::SetPanelSizes { side, filmstrip });
+        panel.actions.push(Action::Settings(SettingsAction::PanelSizes { side, filmstrip }));
     }
 }
 

@@ -4,7 +4,7 @@ use super::Panel;
 use super::labels::{PlateStyle, plate};
 use super::placement::Placement;
 use egui::{Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
-use touchline_application::app::{Action, App, MaskList};
+use touchline_application::app::{Action, App, EditAction, MaskList};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// The side of a cross, points.
@@ -23,7 +23,7 @@ pub struct ShownMask {
 
 /// The masks that cover the shown frame, the camera's first; none unless masks are shown.
 pub fn shown(app: &App) -> Vec<ShownMask> {
-    let Some(frame) = app.frame().filter(|_| app.session.masks) else { return Vec::new() };
+    let Some(frame) = app.frame().filter(|_| app.session.picture.masks) else { return Vec::new() };
     let camera = app.camera_id().and_then(|id| app.open()?.document.camera(id));
     let of_camera = camera.map(|camera| camera.masks.as_slice()).unwrap_or_default();
     let ranged = camera.map(|camera| camera.ranged_masks.as_slice()).unwrap_or_default();
@@ -102,7 +102,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }
         if response.clicked() {
-            panel.actions.push(Action::RemoveMask { list: mask.list, index: mask.index });
+            panel.actions.push(Action::Edit(EditAction::RemoveMask { list: mask.list, index: mask.index }));
         }
     }
 }

@@ -80,6 +80,7 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::Track,
             Command::StopTracking,
             Command::DiscardCarried,
+            Command::TakeLength,
         ],
     ),
     (
@@ -222,12 +223,12 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
 
 fn is_on(app: &App, command: Command) -> bool {
     match command {
-        Command::ShowMasks => app.session.masks,
+        Command::ShowMasks => app.session.picture.masks,
         Command::ShowFieldMap => app.settings.field_map,
         Command::SnapPoints => app.settings.snap_points,
         Command::BaseOnPaint => app.settings.base_on_paint,
         Command::SnapSuggestions => app.settings.snap_suggestions,
-        Command::HideOverlay => app.session.held.hide_overlay,
+        Command::HideOverlay => app.session.picture.held.hide_overlay,
         Command::CameraPanel => app.session.panel == SidePanel::Camera,
         Command::TrainerPanel => app.session.panel == SidePanel::Trainer,
         Command::PauseTrainer => app.session.trainer.paused,
@@ -235,8 +236,8 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ReviewPanel => app.session.panel == SidePanel::Review,
         Command::QualityPage => app.session.quality.open,
         Command::UseForTraining => app.frame().is_some_and(Frame::is_used_for_training),
-        Command::PlaceOnLine => app.session.next_on_line,
-        Command::Uncertainty => app.session.uncertainty != scene::uncertainty::UncertaintyView::Off,
+        Command::PlaceOnLine => app.session.points.next_on_line,
+        Command::Uncertainty => app.session.picture.uncertainty != scene::uncertainty::UncertaintyView::Off,
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }
@@ -313,7 +314,7 @@ pub fn file_name(path: &str) -> String {
 
 /// Whether every edit is on disk.
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
-    if panel.app.session.changed_outside.is_some() {
+    if panel.app.session.disk.changed_outside.is_some() {
         let choose = Button::new(RichText::new("Changed outside").color(ui.palette().on_accent))
             .fill(ui.palette().caution)
             .small();
@@ -322,7 +323,7 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
             panel.actions.push(Action::AskOutside);
         }
     }
-    match &panel.app.session.saving {
+    match &panel.app.session.disk.saving {
         Saving::Untouched => {}
         Saving::Pending => {
             ui.label(RichText::new("saving…").color(ui.palette().weak))
@@ -349,7 +350,7 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Background work.
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
-    if let Some(opening) = &panel.app.session.opening {
+    if let Some(opening) = &panel.app.session.disk.opening {
         ui.add(egui::Spinner::new().size(12.0));
         ui.label(RichText::new(shortened(opening, LONGEST_NAME)).color(ui.palette().accent))
             .on_hover_text(format!("{opening} The window stays usable meanwhile."));
@@ -373,8 +374,9 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How far the search for cuts has come; a click stops it.
 fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(search) = &panel.app.session.video.search else { return };
-    let share = 100 * search.progress.done / search.progress.of.max(1);
+    let state = &panel.app.operations.shot_search;
+    let Some(search) = state.running() else { return };
+    let share = state.progress().percent();
     let says =
         ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(ui.palette().weak)).frame(false));
     let tip = format!("Looking for cuts in {}. Click to stop.", file_name(&search.video));
@@ -385,8 +387,8 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How far an export has come; a click shows its dialog, which can stop it.
 fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(work) = panel.app.session.transfer.under_way.filter(|work| work.writes) else { return };
-    let far = work.pictures.map(|(done, of)| format!(" {} %", 100 * done / of.max(1))).unwrap_or_default();
+    let Some(running) = panel.app.operations.transfer.writing() else { return };
+    let far = running.progress().map(|far| format!(" {:.0} %", (100.0 * far.share()).floor())).unwrap_or_default();
     let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(ui.palette().weak)).frame(false));
     if says.on_hover_text("An export is being written. Click to show it.").clicked() {
         panel.actions.push(Action::Command(Command::Export));

@@ -3,9 +3,9 @@
 use super::placement::Placement;
 use super::{Panel, theme::Themed as _};
 use egui::{Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2};
-use touchline_application::app::Action;
 use touchline_application::app::naming::NameCandidate;
 use touchline_application::app::session::{Mode, Naming, OFFERED};
+use touchline_application::app::{Action, EditAction, Navigation};
 
 /// The least width of the list, so that its hint fits, points.
 const LEAST_WIDTH: f32 = 300.0;
@@ -158,11 +158,11 @@ fn row(
     }
     painter.text(at(right - columns.code), Align2::LEFT_CENTER, &candidate.code, code_font(), weak);
     if response.clicked() {
-        return Some(Action::TakeName(index));
+        return Some(Action::Edit(EditAction::TakeName(index)));
     }
     // Only a moving pointer takes the highlight over from the arrow keys.
     let pointed = response.hovered() && ui.input(|input| input.pointer.delta() != Vec2::ZERO);
-    (pointed && !highlighted).then_some(Action::HighlightName(index))
+    (pointed && !highlighted).then_some(Action::Navigate(Navigation::HighlightName(index)))
 }
 
 fn nothing(ui: &mut egui::Ui, naming: &Naming) {

@@ -9,7 +9,7 @@ use super::{
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;
 use touchline_application::app::session::{Level, Notice, in_row};
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, ViewAction};
 
 /// Information without a button leaves the row after this time, s; not while the pointer is on it.
 const INFO_SECONDS: f64 = 8.0;
@@ -24,7 +24,7 @@ type Seen = ((u64, String), f64);
 /// Shows one message, the number of the others, and the way to all of them.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
-    let shown = in_row(&app.session.notices);
+    let shown = in_row(&app.session.messages.notices);
     let opacity = shown.map_or(1.0, |notice| opacity(panel.actions, ui, notice));
     ui.multiply_opacity(opacity);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -32,7 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let tip = format!("Dismiss: {}", notice.text);
             let palette = ui.palette();
             if symbol::button(ui, Symbol::Cross, &tip, palette.weak).on_hover_text("Dismiss this message.").clicked() {
-                panel.actions.push(Action::DismissNotice(notice.id));
+                panel.actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
             }
         }
         others(app, panel.actions, ui);
@@ -40,7 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         // They are laid out from the right.
         for &(says, command) in notice.offers.iter().rev() {
             if ui.add(Button::new(says).small()).on_hover_text(app.settings.keys.tooltip(command)).clicked() {
-                panel.actions.extend([Action::Command(command), Action::DismissNotice(notice.id)]);
+                panel.actions.extend([Action::Command(command), Action::View(ViewAction::DismissNotice(notice.id))]);
             }
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -55,10 +55,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How many more messages wait; a click lists them all.
 fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
-    if app.session.told.is_empty() {
+    if app.session.messages.log.is_empty() {
         return;
     }
-    let more = app.session.notices.len().saturating_sub(1);
+    let more = app.session.messages.notices.len().saturating_sub(1);
     let says = if more > 0 { format!("{more} more") } else { "Messages".to_owned() };
     let button = Button::new(RichText::new(says).small().color(ui.palette().weak)).frame(false);
     if ui.add(button).on_hover_text(app.settings.keys.tooltip(Command::Messages)).clicked() {
@@ -95,7 +95,7 @@ fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
         left
     });
     if left <= 0.0 && !hovered {
-        actions.push(Action::DismissNotice(notice.id));
+        actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
     }
     let wait = if left > FADE_SECONDS { left - FADE_SECONDS } else { 0.03 };
     ui.ctx().request_repaint_after(Duration::from_secs_f64(wait.max(0.03)));

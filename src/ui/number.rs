@@ -6,7 +6,7 @@ use egui::{Area, CornerRadius, DragValue, Key, Label, Order, Response, RichText,
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App};
+use touchline_application::app::{Action, App, EditAction};
 
 /// How long a field says why it did not take what was typed, s.
 const TOLD_S: f64 = 8.0;
@@ -77,7 +77,7 @@ impl Number<'_> {
         let forgets = was_given_up(ui, &response, given_up);
         let begins = response.drag_started() || response.gained_focus();
         if begins {
-            actions.push(Action::BeginEdit(self.step));
+            actions.push(Action::Edit(EditAction::Begin(self.step)));
         }
         // A drag that Escape cancelled does not start again by itself.
         let abandoned = response.dragged() && !begins && app.session.mode != Mode::Editing;
@@ -87,9 +87,9 @@ impl Number<'_> {
             actions.push(change(value));
         }
         if given_up {
-            actions.push(Action::AbortEdit);
+            actions.push(Action::Edit(EditAction::Abort));
         } else if response.drag_stopped() || left && !stays {
-            actions.push(Action::EndEdit);
+            actions.push(Action::Edit(EditAction::End));
         }
         response
     }

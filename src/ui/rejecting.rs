@@ -2,8 +2,8 @@
 
 use super::Panel;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
-use touchline_application::app::Action;
 use touchline_application::app::session::{Mode, reason_label};
+use touchline_application::app::{Action, EditAction};
 use touchline_documents::document::RejectReason;
 
 /// Reads the keys 1 to 6 while a reason is being chosen; nothing else gets them then.
@@ -16,7 +16,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
             let Event::Text(text) = event else { return true };
             let number = text.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
             let Some(reason) = number.and_then(|index| RejectReason::ALL.get(index)) else { return true };
-            panel.actions.push(Action::RejectAs(*reason));
+            panel.actions.push(Action::Edit(EditAction::RejectAs(*reason)));
             false
         });
     });
@@ -37,7 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
                     ui.label(what);
                     for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
                         if ui.button(format!("{}  {}", index + 1, reason_label(reason))).clicked() {
-                            panel.actions.push(Action::RejectAs(reason));
+                            panel.actions.push(Action::Edit(EditAction::RejectAs(reason)));
                         }
                     }
                     ui.weak("Esc cancels");

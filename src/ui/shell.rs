@@ -7,7 +7,7 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_application::app::session::Level;
-use touchline_application::app::{Action, App, Effect, WindowPlace};
+use touchline_application::app::{Action, App, DiskReport, Effect, ViewAction, WindowPlace};
 use touchline_application::jobs::{Request, Runner, Wake, load_settings, save_settings};
 
 /// The window's program.
@@ -57,7 +57,7 @@ impl Shell {
             may_close: false,
         };
         shell.tell_about_adapter(creation);
-        let first = trouble.map(|text| Action::Notify(Level::Warning, text));
+        let first = trouble.map(|text| Action::View(ViewAction::Notify(Level::Warning, text)));
         shell.apply(first.into_iter().chain(document.map(Action::Open)));
         Ok(shell)
     }
@@ -193,7 +193,7 @@ impl eframe::App for Shell {
             self.save_settings();
         }
         for action in self.runner.close() {
-            if let Action::SaveFailed(message) = action {
+            if let Action::Disk(DiskReport::SaveFailed(message)) = action {
                 eprintln!("touchline: NOT SAVED: {message}");
             }
         }

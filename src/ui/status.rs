@@ -113,8 +113,8 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.frame().is_none() {
         return;
     }
-    let (scale, fits) = match panel.app.session.view {
-        PictureView::Fit => (panel.app.session.fit_scale, true),
+    let (scale, fits) = match panel.app.session.picture.view {
+        PictureView::Fit => (panel.app.session.picture.fit_scale, true),
         PictureView::Zoomed { scale, .. } => (scale, false),
     };
     if scale > 0.0 {
@@ -132,7 +132,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn pointer(app: &App, ui: &mut Ui) {
-    let Some(at) = app.session.hover else { return };
+    let Some(at) = app.session.points.hover else { return };
     ui.label(RichText::new(format!("{:.1}, {:.1}", at.x, at.y)).monospace().color(ui.palette().text))
         .on_hover_text("The pointer, px of the picture from its top-left corner.");
     ui.separator();

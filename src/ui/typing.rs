@@ -7,7 +7,7 @@
 
 use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Pos2};
 use touchline_application::app::session::{Mode, Naming, OFFERED};
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 
 /// The pointer has left the point when it is this far from where it placed it, points.
 const LEFT_POINTS: f32 = 30.0;
@@ -44,7 +44,7 @@ impl Hand {
     fn follow(mut self, app: &App, time_s: f64, pointer: Option<Pos2>) -> Self {
         self.clock_s += (time_s - self.seen_s).clamp(0.0, TICK_S);
         self.seen_s = time_s;
-        let named = app.session.named_unasked.filter(|_| app.session.mode == Mode::Idle);
+        let named = app.session.points.named_unasked.filter(|_| app.session.mode == Mode::Idle);
         let is_known = self.placed.map(|placed| placed.click) == named;
         if !is_known {
             let new = |click| Placed { click, at_s: self.clock_s, pointer, has_left: false };
@@ -155,7 +155,7 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
                 if !(confirms || in_word) {
                     return true;
                 }
-                actions.extend(confirms.then_some(Action::ConfirmName));
+                actions.extend(confirms.then_some(Action::Navigate(Navigation::ConfirmName)));
                 hand.stroke_s = Some(hand.clock_s);
                 false
             }
@@ -164,7 +164,7 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
                 !(is_letter && (names || in_word))
             }
             Event::Text(text) if text.chars().all(char::is_alphabetic) && (names || in_word) => {
-                actions.extend(names.then(|| Action::RefineName(text.clone())));
+                actions.extend(names.then(|| Action::Navigate(Navigation::RefineName(text.clone()))));
                 hand.stroke_s = Some(hand.clock_s);
                 false
             }
@@ -184,19 +184,21 @@ fn row_of(key: Key) -> Option<usize> {
 }
 
 fn take_row(row: usize, offered: usize) -> Option<Action> {
-    (row < offered).then_some(Action::TakeName(row))
+    (row < offered).then_some(Action::Edit(EditAction::TakeName(row)))
 }
 
 fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
     match key {
-        Key::Enter => Some(Action::TakeName(naming.highlighted)),
-        Key::ArrowDown => Some(Action::HighlightName((naming.highlighted + 1) % offered.max(1))),
-        Key::ArrowUp => Some(Action::HighlightName((naming.highlighted + offered.max(1) - 1) % offered.max(1))),
-        Key::Tab => Some(Action::OfferLines(!naming.lines)),
+        Key::Enter => Some(Action::Edit(EditAction::TakeName(naming.highlighted))),
+        Key::ArrowDown => Some(Action::Navigate(Navigation::HighlightName((naming.highlighted + 1) % offered.max(1)))),
+        Key::ArrowUp => Some(Action::Navigate(Navigation::HighlightName(
+            (naming.highlighted + offered.max(1) - 1) % offered.max(1),
+        ))),
+        Key::Tab => Some(Action::Navigate(Navigation::OfferLines(!naming.lines))),
         Key::Escape => Some(Action::Command(Command::Cancel)),
         Key::Backspace => {
             typed.pop();
-            Some(Action::TypeName(typed.clone()))
+            Some(Action::Navigate(Navigation::TypeName(typed.clone())))
         }
         _ => None,
     }
@@ -208,10 +210,10 @@ fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> O
         return take_row(number - 1, offered);
     }
     if text == "L" {
-        return Some(Action::OfferLines(!naming.lines));
+        return Some(Action::Navigate(Navigation::OfferLines(!naming.lines)));
     }
     typed.extend(text.chars().filter(|letter| !letter.is_control()));
-    Some(Action::TypeName(typed.clone()))
+    Some(Action::Navigate(Navigation::TypeName(typed.clone())))
 }
 
 #[cfg(test)]
@@ -221,6 +223,7 @@ mod tests {
     use egui::{RawInput, pos2};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
+    use touchline_application::app::PointerAction;
     use touchline_application::app::{Opened, Settings};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
@@ -262,7 +265,7 @@ mod tests {
             document.frames[0].status = FrameStatus::Draft;
             let mut app = App::new(Settings::default());
             app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-            app.update(Action::SolveAgain);
+            app.update(Action::Edit(EditAction::SolveAgain));
             Self { app, ctx: Context::default(), time_s: 1.0, pointer: pos2(400.0, 300.0) }
         }
 
@@ -288,8 +291,8 @@ mod tests {
         }
 
         fn place(&mut self, landmark: &str) {
-            self.app.update(Action::Press { at: image_of(landmark), on: None });
-            self.app.update(Action::Release);
+            self.app.update(Action::Pointer(PointerAction::Press { at: image_of(landmark), on: None }));
+            self.app.update(Action::Pointer(PointerAction::Release));
             self.frame(0.02, Vec::new());
             assert_eq!(self.app.frame().unwrap().clicks.len(), 3, "{landmark} lies in the picture");
         }
@@ -321,7 +324,7 @@ mod tests {
     fn letters_belong_to_the_point_until_the_pointer_leaves_it() {
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
-        assert!(hands.app.session.named_unasked.is_some(), "{:?}", hands.app.session.mode);
+        assert!(hands.app.session.points.named_unasked.is_some(), "{:?}", hands.app.session.mode);
         hands.wait(20.0);
         hands.type_letter(0.1, 'k');
         assert!(matches!(hands.app.session.mode, Mode::Naming(_)), "however late it comes");
@@ -340,7 +343,7 @@ mod tests {
         hands.stroke(0.1, Key::Enter, "");
         // A key that bounces.
         hands.stroke(0.1, Key::Enter, "");
-        assert_eq!((hands.status(), hands.app.session.named_unasked), (FrameStatus::Draft, None));
+        assert_eq!((hands.status(), hands.app.session.points.named_unasked), (FrameStatus::Draft, None));
         hands.wait(0.5);
         hands.stroke(0.1, Key::Enter, "");
         assert_eq!(hands.status(), FrameStatus::Reference);
@@ -365,7 +368,7 @@ mod tests {
     fn a_digit_chooses_by_its_place_on_the_keyboard() {
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
-        hands.app.update(Action::RefineName("g".to_owned()));
+        hands.app.update(Action::Navigate(Navigation::RefineName("g".to_owned())));
         let Mode::Naming(naming) = &hands.app.session.mode else { panic!("{:?}", hands.app.session.mode) };
         let second = naming.offered()[1].target.clone();
         // On a French keyboard the key of the 2 is an é.

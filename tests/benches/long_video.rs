@@ -3,7 +3,7 @@
 
 use divan::{Bencher, black_box};
 use std::path::Path;
-use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings};
 use touchline::calibrate::{FrameLookup, check_cameras, solve_document};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
@@ -87,8 +87,8 @@ fn document(state: State) -> Document {
 fn app(state: State) -> App {
     let mut app = App::new(Settings::default());
     app.update(Action::Opened(Box::new(Opened::new(document(state), "/match/project.json"))));
-    app.update(Action::GoTo(SHOWN));
-    app.update(Action::Select(Some(0)));
+    app.update(Action::Navigate(Navigation::GoTo(SHOWN)));
+    app.update(Action::Navigate(Navigation::Select(Some(0))));
     app
 }
 
@@ -97,11 +97,11 @@ fn app(state: State) -> App {
 fn a_drag_event(bencher: Bencher, state: State) {
     let mut app = app(state);
     let at = app.frame().unwrap().clicks[0].image;
-    app.update(Action::Press { at, on: Some(0) });
+    app.update(Action::Pointer(PointerAction::Press { at, on: Some(0) }));
     let mut right = 0.0;
     bencher.bench_local(|| {
         right = 1.0 - right;
-        app.update(Action::Drag(ImagePoint::new(at.x + right, at.y)))
+        app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + right, at.y))))
     });
 }
 
@@ -112,7 +112,7 @@ fn an_edit_with_its_journal_record(bencher: Bencher, state: State) {
     let mut right = -1.0;
     bencher.bench_local(|| {
         right = -right;
-        let effects = app.update(Action::Nudge { dx_px: right, dy_px: 0.0, held: false });
+        let effects = app.update(Action::Edit(EditAction::Nudge { dx_px: right, dy_px: 0.0, held: false }));
         let edits = effects.iter().filter_map(|effect| match effect {
             Effect::Journal { edit, .. } => Some(serde_json::to_string(edit).unwrap()),
             _ => None,
@@ -126,7 +126,7 @@ fn an_edit_with_its_journal_record(bencher: Bencher, state: State) {
 #[divan::bench(args = STATES, sample_count = 20)]
 fn undo(bencher: Bencher, state: State) {
     let mut app = app(state);
-    app.update(Action::Nudge { dx_px: 1.0, dy_px: 0.0, held: false });
+    app.update(Action::Edit(EditAction::Nudge { dx_px: 1.0, dy_px: 0.0, held: false }));
     bencher.bench_local(|| {
         app.update(Action::Command(Command::Undo));
         app.update(Action::Command(Command::Redo))

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 #[cfg(feature = "opencv")]
 use touchline::app::TrainerOrder;
-use touchline::app::{Action, App, Command, Opened, Settings};
+use touchline::app::{Action, App, Command, Navigation, Opened, Settings, TrainerReport};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame};
 use touchline::field::builtin;
@@ -97,7 +97,7 @@ impl Window {
         let mut window = Self::on(document);
         let all: Vec<usize> = (0..2 * frame_count()).collect();
         let proposals = window.proposals(&all, 1);
-        window.app.update(Action::Proposals(proposals));
+        window.app.update(Action::Trainer(TrainerReport::Proposals(proposals)));
         window.app.update(Action::Command(Command::ReviewPanel));
         window.frame(Vec::new());
         assert!(window.app.review().rows.len() > 2 * frame_count() * 9 / 10);
@@ -141,7 +141,7 @@ impl Window {
     fn on(document: Document) -> Self {
         let mut app = App::new(Settings { details: true, ..Settings::default() });
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        app.update(Action::GoTo(frame_count() / 2));
+        app.update(Action::Navigate(Navigation::GoTo(frame_count() / 2)));
         let ctx = Context::default();
         apply_theme(&ctx);
         let mut window = Self { app, pictures: Pictures::start(Arc::new(|| ())).unwrap(), ctx, time: 0.0 };
@@ -363,7 +363,7 @@ fn stream(bencher: Bencher<'_, '_>, pointer: Pos2) {
         })
         .bench_local_values(|proposals| {
             let mut window = window.borrow_mut();
-            window.app.update(Action::Proposals(proposals));
+            window.app.update(Action::Trainer(TrainerReport::Proposals(proposals)));
             window.frame(Vec::new())
         });
 }

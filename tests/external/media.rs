@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::mpsc::channel;
-use touchline::app::{FoundShots, ShotSearch};
+use touchline::app::operations::{FoundShots, ShotSearch};
 use touchline::document::ShotKind;
 use touchline::geometry::ImageSize;
 use touchline::media::{FrameClock, FrameReader, FrameRef, FrameSource, MediaError, Notice, Picture, Video};
@@ -302,8 +302,8 @@ fn pixels_that_are_not_square_are_said() {
 
 /// The cuts of a video, as the window looks for them.
 fn cuts(path: &Path) -> FoundShots {
-    let search = ShotSearch { ticket: 1, video: "match.mp4".to_owned(), path: path.to_path_buf() };
-    search.look(&mut FrameReader::new(), &|_| ControlFlow::Continue(())).unwrap()
+    let search = ShotSearch { video: "match.mp4".to_owned(), path: path.to_path_buf(), num_below: 0 };
+    search.look(&mut FrameReader::new(), &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
 fn the_cuts_of_a_video_are_found() {

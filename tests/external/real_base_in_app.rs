@@ -2,7 +2,6 @@
 
 use crate::headless::Headless;
 use crate::parts::{Test, frames_folder, tests};
-use touchline::app::base::BaseWork;
 use touchline::app::{Action, Command, Opened};
 
 pub const TESTS: &[Test] = tests![
@@ -14,8 +13,8 @@ fn real_frames_from_their_clicks_alone() {
     let mut fixture = Headless::new();
     fixture.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
     fixture.act(Action::Command(Command::EstimateBase));
-    fixture.wait_until("the estimate", |app| !matches!(app.session.base, BaseWork::Estimating(_)));
-    let estimate = &fixture.app.session.base.proposed().unwrap().estimate;
+    fixture.wait_until("the estimate", |app| app.operations.base_estimate.running().is_none());
+    let estimate = &fixture.app.operations.base_estimate.proposed().unwrap().estimate;
     assert!(estimate.median_px < 3.5, "{}", estimate.median_px);
     // There is no disk behind this project: nothing is written.
     fixture.app.update(Action::Command(Command::UseEstimatedBase));

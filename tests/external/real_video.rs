@@ -6,7 +6,7 @@ use crate::program::touchline;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
-use touchline::app::{Doing, TrainerOrder, TrainerStatus};
+use touchline::app::{Doing, TrainerOrder, TrainerReport, TrainerStatus};
 use touchline::calibrate::{Problem, check_pictures};
 use touchline::camera::{CameraBase, FocalCurve, Ptz};
 use touchline::document::{
@@ -14,7 +14,7 @@ use touchline::document::{
 };
 use touchline::geometry::rotation::nearest_rotation;
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use touchline::jobs::{SharedPictures, Trainer, TrainerOptions, TrainerReport};
+use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
 use touchline::store::read;
 
 pub const TESTS: &[Test] = tests![

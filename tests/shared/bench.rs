@@ -1,7 +1,7 @@
 //! An application with an opened document, driven by actions; what tests of the application share.
 
 use touchline_application::app::operation::{Failure, Job, Operation, Report};
-use touchline_application::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline_application::app::{Action, App, Command, Effect, Opened, PointerAction, Settings};
 use touchline_core::camera::{BaseAngles, CameraBase, PtzCamera};
 use touchline_core::field::builtin;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
@@ -51,17 +51,17 @@ impl Bench {
     }
 
     pub fn click(&mut self, at: ImagePoint) {
-        self.act(Action::Press { at, on: None });
-        self.act(Action::Release);
+        self.act(Action::Pointer(PointerAction::Press { at, on: None }));
+        self.act(Action::Pointer(PointerAction::Release));
     }
 
     /// The request of an operation that was started last.
     pub fn started<O: Operation>(&self) -> Job {
-        let jobs = self.effects.iter().filter_map(|effect| match effect {
+        let mut jobs = self.effects.iter().filter_map(|effect| match effect {
             Effect::Start(job) if job.name() == O::NAME => Some(job),
             _ => None,
         });
-        jobs.last().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
+        jobs.next_back().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
     }
 
     /// The operation that was started last has come this far.
@@ -78,6 +78,6 @@ impl Bench {
     }
 
     pub fn last_notice(&self) -> &str {
-        self.app.session.notices.last().map_or("", |notice| notice.text.as_str())
+        self.app.session.messages.notices.last().map_or("", |notice| notice.text.as_str())
     }
 }

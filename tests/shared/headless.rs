@@ -64,7 +64,7 @@ impl Headless {
     pub fn wait_until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
         while !holds(&self.app) {
             self.woken.recv_timeout(Duration::from_mins(1)).unwrap_or_else(|_| {
-                panic!("{what} did not happen; notices: {:?}", self.app.session.notices);
+                panic!("{what} did not happen; notices: {:?}", self.app.session.messages.notices);
             });
             for action in self.runner.poll() {
                 self.act(action);

@@ -2,9 +2,11 @@
 //! within a crate, no circles, fences, one wgpu.
 
 mod examples;
+mod growth;
 mod plan;
 mod source_map;
 
+use growth::{Source, Static, fields_of, long_enums, unlisted_statics, widely_named};
 use plan::{Fence, Pair, Plan, broken_fences, circles};
 use source_map::SourceMap;
 use std::collections::BTreeSet;
@@ -60,6 +62,28 @@ const FILES: &[&str] = &[
     "experiments/sets/published.rs",
 ];
 
+/// Statics whose value changes while the program runs; every other state has an owner.
+const STATICS: &[Static] = &[
+    // Whether the thread catches its own panics: the hook for panics is one for all threads.
+    ("src/application/jobs/panicked.rs", "IS_HERE"),
+    // Numbers the states of documents, so that none repeats in a process.
+    ("src/documents/document/frames.rs", "LAST"),
+    // OpenCV's number of threads is one for the whole process.
+    ("src/vision/features/sift.rs", "ONE_THREAD"),
+    // The videos that were examined: each is examined once, whoever opens it.
+    ("src/vision/media/video/known.rs", "KNOWN"),
+];
+
+/// An operation is named in its own file, in the list of operations, and where the window shows it.
+const FILES_OF_OPERATION: usize = 4;
+
+/// Actions, and each kind of them, can be read at a glance.
+const MOST_ACTIONS: usize = 60;
+/// Effects.
+const MOST_EFFECTS: usize = 16;
+/// Fields of the session.
+const MOST_FIELDS: usize = 20;
+
 /// The workspace's folder.
 fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -105,6 +129,38 @@ fn modules_beside_each_other_do_not_use_each_other_in_a_circle() {
 #[test]
 fn what_is_fenced_stays_in_its_rooms() {
     assert_none(&broken_fences(crates(), FENCES));
+}
+
+/// The files of some crates, without those for tests.
+fn sources(of: &[&str]) -> Vec<Source> {
+    let maps = CRATES.iter().zip(crates()).filter(|(folder, _)| of.contains(folder));
+    let files: BTreeSet<&PathBuf> = maps.flat_map(|(_, map)| map.modules.values().map(|module| &module.file)).collect();
+    files.into_iter().map(|file| (file.clone(), read(file).unwrap())).collect()
+}
+
+#[test]
+fn an_operation_is_named_in_few_files() {
+    let folder = Path::new("src/application/app/operations");
+    assert_none(&widely_named(folder, &sources(&["src/application", "src"]), FILES_OF_OPERATION));
+}
+
+#[test]
+fn actions_effects_and_the_session_stay_short() {
+    let sources = sources(&["src/application"]);
+    let is_action = |name: &str| name.ends_with("Action") || ["Navigation", "DiskReport"].contains(&name);
+    let mut long = long_enums(&sources, is_action, MOST_ACTIONS);
+    long.extend(long_enums(&sources, |name| name == "Effect", MOST_EFFECTS));
+    let session = read(Path::new("src/application/app/session.rs")).unwrap();
+    let fields = fields_of(&session, "Session").len();
+    if fields == 0 || fields > MOST_FIELDS {
+        long.push(format!("Session has {fields} fields, not {MOST_FIELDS}"));
+    }
+    assert_none(&long);
+}
+
+#[test]
+fn statics_that_change_are_on_the_list() {
+    assert_none(&unlisted_statics(&sources(&CRATES), STATICS));
 }
 
 #[test]

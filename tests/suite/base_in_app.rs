@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
-use touchline::app::base::BaseWork;
 use touchline::app::guidance::next_step;
-use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::app::operation::{Breakdown, Failure, Report};
+use touchline::app::operations::BaseEstimate;
+use touchline::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, SolutionSource, Target, document_to_string,
@@ -108,7 +109,7 @@ impl Fixture {
     /// Asks for an estimate and waits for it.
     fn run(&mut self, command: Command) {
         self.command(command);
-        while matches!(self.app.session.base, BaseWork::Estimating(_)) {
+        while self.app.operations.base_estimate.running().is_some() {
             self.woken.recv_timeout(Duration::from_mins(1)).unwrap();
             for action in self.runner.poll() {
                 self.act(action);
@@ -128,7 +129,7 @@ impl Fixture {
 /// Camera, residuals and verdict belong to one solution with the base that was found; a frame without points shows nothing of
 /// another base and says so.
 fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
-    let found = fixture.app.session.base.proposed().unwrap().estimate.base;
+    let found = fixture.app.operations.base_estimate.proposed().unwrap().estimate.base;
     let shown = fixture.app.shown();
     let (camera, solved) = (shown.camera.unwrap(), shown.solved().unwrap());
     assert!(shown.is_estimated && shown.judgement.is_some());
@@ -138,11 +139,11 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
     let clicks = &fixture.app.frame().unwrap().clicks;
     assert!((0..clicks.len()).all(|click| shown.residual(click).is_some()), "a residual for each point");
     assert!(next_step(&fixture.app).text.starts_with("Lines and numbers are those of the estimated base."));
-    fixture.act(Action::GoTo(4));
+    fixture.act(Action::Navigate(Navigation::GoTo(4)));
     let shown = fixture.app.shown();
     assert!(shown.is_estimated && shown.camera.is_none() && shown.solved().is_none() && shown.judgement.is_none());
     assert!(next_step(&fixture.app).text.starts_with("This frame has no points to draw the estimated base with."));
-    fixture.act(Action::GoTo(0));
+    fixture.act(Action::Navigate(Navigation::GoTo(0)));
 }
 
 #[test]
@@ -151,7 +152,7 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     let before = document_to_string(fixture.document()).unwrap();
     assert!(next_step(&fixture.app).offers.contains(&("Estimate the base now", Command::EstimateBase)));
     fixture.estimate();
-    let found = fixture.app.session.base.proposed().unwrap();
+    let found = fixture.app.operations.base_estimate.proposed().unwrap();
     assert_eq!(found.frames, [0, 1, 2, 3]);
     assert!(found.estimate.median_px < 2.0, "{}", found.estimate.median_px);
     assert!(!found.landmarks.is_empty());
@@ -186,15 +187,22 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     fixture.command(Command::BaseOnPaint);
     assert!(fixture.app.settings.base_on_paint);
     fixture.command(Command::EstimateBase);
-    assert!(matches!(&fixture.app.session.base, BaseWork::Estimating(work) if work.from.contains("painted lines")));
+    assert!(
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .running()
+            .is_some_and(|work| work.operation().from.contains("painted lines"))
+    );
     fixture.command(Command::DropEstimatedBase);
-    assert!(matches!(fixture.app.session.base, BaseWork::Idle), "it can be stopped");
+    assert!(is_idle(&fixture.app), "it can be stopped");
     fixture.estimate();
-    let found = fixture.app.session.base.proposed().unwrap().clone();
+    let found = fixture.app.operations.base_estimate.proposed().unwrap().clone();
     let on_paint = found.on_paint.clone().unwrap();
     let [held_out, was] = [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
     assert!(held_out < 0.4 && held_out <= was, "{held_out} px, {was} px before");
-    let told = &fixture.app.session.notices.last().unwrap().text;
+    let told = &fixture.app.session.messages.notices.last().unwrap().text;
     assert!(told.contains("Painted lines that were not used are"), "{told}");
     assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
 
@@ -216,7 +224,7 @@ fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
     let mut fixture = Fixture::at(clicked, folder.join("project.json"));
     fixture.command(Command::BaseOnPaint);
     fixture.estimate();
-    fixture.act(Action::Select(Some(0)));
+    fixture.act(Action::Navigate(Navigation::Select(Some(0))));
     fixture.command(Command::DeleteClick);
     fixture.command(Command::UseEstimatedBase);
     let source = |index: usize| fixture.document().frames[index].solution.as_ref().and_then(|solution| solution.source);
@@ -227,13 +235,13 @@ fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
 fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
     let mut fixture = Fixture::on(document(6, 6));
     fixture.run(Command::FitFieldSize);
-    let found = fixture.app.session.base.proposed().unwrap();
+    let found = fixture.app.operations.base_estimate.proposed().unwrap();
     let names: Vec<&str> = found.sizes.iter().map(|size| size.name.as_str()).collect();
     assert_eq!(names, ["length_m", "width_m"]);
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
         assert!((size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0, "{size:?}");
     }
-    let told = &fixture.app.session.notices.last().unwrap().text;
+    let told = &fixture.app.session.messages.notices.last().unwrap().text;
     assert!(told.contains("Field length 10") && told.contains("m assumed)"), "{told}");
     assert!(fixture.document().field.assumed_size().is_some(), "nothing is changed before it is decided");
     fixture.command(Command::UseEstimatedBase);
@@ -247,12 +255,32 @@ fn what_was_found_can_be_discarded_and_the_estimation_stopped() {
     let mut fixture = Fixture::on(document(4, 4));
     fixture.command(Command::EstimateBase);
     fixture.command(Command::DropEstimatedBase);
-    assert!(matches!(fixture.app.session.base, BaseWork::Idle));
+    assert!(is_idle(&fixture.app));
     fixture.estimate();
-    assert!(fixture.app.session.base.proposed().is_some());
+    assert!(fixture.app.operations.base_estimate.proposed().is_some());
     fixture.command(Command::Cancel);
-    assert!(matches!(fixture.app.session.base, BaseWork::Idle));
+    assert!(is_idle(&fixture.app));
     assert!(fixture.base().is_none());
+}
+
+/// Nothing is being estimated, and nothing was found.
+fn is_idle(app: &App) -> bool {
+    let state = &app.operations.base_estimate;
+    !state.is_open() && state.found().is_none()
+}
+
+#[test]
+fn a_second_estimate_replaces_the_first() {
+    let mut fixture = Fixture::on(document(4, 4));
+    fixture.command(Command::EstimateBase);
+    let first = fixture.app.operations.base_estimate.running().unwrap().id();
+    fixture.estimate();
+    let before = fixture.app.session.messages.notices.len();
+    assert!(fixture.app.operations.base_estimate.proposed().is_some());
+    let late = Failure::Broken(Breakdown::Panicked("too late".to_owned()));
+    fixture.act(Action::Report(Report::of_end::<BaseEstimate>(first, Err(late))));
+    assert!(fixture.app.operations.base_estimate.proposed().is_some(), "of the second one");
+    assert_eq!(fixture.app.session.messages.notices.len(), before);
 }
 
 #[test]
@@ -262,28 +290,28 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
     fixture.command(Command::UseEstimatedBase);
     let mut off = (*fixture.document().cameras[0]).clone();
     off.position_m = off.position_m.map(|position| position + Vec3::new(0.0, 2.0, -1.0));
-    fixture.act(Action::EditCamera(Box::new(off)));
+    fixture.act(Action::Edit(EditAction::Camera(Box::new(off))));
     fixture.estimate();
-    let estimate = &fixture.app.session.base.proposed().unwrap().estimate;
+    let estimate = &fixture.app.operations.base_estimate.proposed().unwrap().estimate;
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
     assert_eq!(fixture.app.why_not(Command::Compare), None);
     fixture.act(Action::Hold(Command::Compare, true));
-    assert!(fixture.app.session.held.compare);
+    assert!(fixture.app.session.picture.held.compare);
     fixture.act(Action::Hold(Command::Compare, false));
-    assert!(!fixture.app.session.held.compare);
+    assert!(!fixture.app.session.picture.held.compare);
 }
 
 #[test]
 fn a_frame_is_left_out_and_put_back() {
     let mut fixture = Fixture::on(document(4, 4));
-    fixture.act(Action::UseForBase { frame: 1, used: false });
+    fixture.act(Action::Edit(EditAction::UseForBase { frame: 1, used: false }));
     let text = document_to_string(fixture.document()).unwrap();
     assert!(text.contains("\"use_for_base\": false"), "{text}");
     assert_eq!((fixture.app.base_readiness().frames, fixture.app.base_readiness().left_out), (3, 1));
     fixture.estimate();
-    assert_eq!(fixture.app.session.base.proposed().unwrap().frames, [0, 2, 3]);
+    assert_eq!(fixture.app.operations.base_estimate.proposed().unwrap().frames, [0, 2, 3]);
     fixture.command(Command::DropEstimatedBase);
-    fixture.act(Action::UseForBase { frame: 1, used: true });
+    fixture.act(Action::Edit(EditAction::UseForBase { frame: 1, used: true }));
     assert!(!document_to_string(fixture.document()).unwrap().contains("use_for_base"));
     fixture.command(Command::UseForBase);
     assert!(!fixture.document().frames[0].use_for_base, "the command is about the shown frame");
@@ -300,14 +328,14 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
     }
     let mut fixture = Fixture::on(document);
     fixture.estimate();
-    let mirrored = fixture.app.session.base.proposed().unwrap().estimate.mirrored.clone();
+    let mirrored = fixture.app.operations.base_estimate.proposed().unwrap().estimate.mirrored.clone();
     assert_eq!(mirrored.iter().map(|mirrored| mirrored.frame).collect::<Vec<_>>(), [2]);
-    fixture.act(Action::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry });
+    fixture.act(Action::Edit(EditAction::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry }));
     assert_eq!(fixture.app.session.frame, 2);
     let names: Vec<_> = fixture.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
     let right: Vec<_> = visible(2).into_iter().map(|(target, _)| target).collect();
     assert_eq!(names, right);
-    assert!(fixture.app.session.base.found().unwrap().estimate.mirrored.is_empty());
+    assert!(fixture.app.operations.base_estimate.found().unwrap().estimate.mirrored.is_empty());
 }
 
 #[test]
@@ -320,9 +348,9 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
         (landmarks, last)
     };
     for (count, (target, at)) in landmarks.into_iter().enumerate() {
-        fixture.act(Action::Pick(target));
-        fixture.act(Action::Press { at, on: None });
-        fixture.act(Action::Release);
+        fixture.act(Action::Edit(EditAction::Pick(target)));
+        fixture.act(Action::Pointer(PointerAction::Press { at, on: None }));
+        fixture.act(Action::Pointer(PointerAction::Release));
         if count == 1 {
             assert!(
                 next_step(&fixture.app).text.starts_with("2 of 4 landmarks here"),
@@ -333,8 +361,8 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
     }
     assert!(next_step(&fixture.app).text.ends_with("Done: 1 of 3."));
     assert!(fixture.app.current().preview.is_some(), "the lines show what four landmarks tell");
-    fixture.act(Action::Press { at: last.1, on: None });
-    fixture.act(Action::Release);
+    fixture.act(Action::Pointer(PointerAction::Press { at: last.1, on: None }));
+    fixture.act(Action::Pointer(PointerAction::Release));
     assert_eq!(fixture.app.frame().unwrap().clicks.last().unwrap().target, Some(last.0), "it names itself");
 }
 
@@ -342,7 +370,9 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
 fn too_little_is_said_and_changes_nothing() {
     let mut fixture = Fixture::on(document(3, 0));
     fixture.estimate();
-    assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet.")));
+    assert!(
+        fixture.app.session.messages.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet."))
+    );
     let mut contradicting = document(3, 3);
     for frame in &mut contradicting.frames {
         let names: Vec<_> = frame.clicks.iter().map(|click| click.target.clone()).collect();
@@ -354,7 +384,7 @@ fn too_little_is_said_and_changes_nothing() {
     let mut fixture = Fixture::on(contradicting);
     let before = document_to_string(fixture.document()).unwrap();
     fixture.estimate();
-    assert!(fixture.app.session.base.found().is_none(), "{:?}", fixture.app.session.base);
-    assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
+    assert!(fixture.app.operations.base_estimate.found().is_none(), "{:?}", fixture.app.operations.base_estimate);
+    assert!(fixture.app.session.messages.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
     assert_eq!(document_to_string(fixture.document()).unwrap(), before);
 }

@@ -8,7 +8,7 @@ use crate::relocalize_command::drawn_match;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline::app::session::Saving;
-use touchline::app::{Action, App, Doing};
+use touchline::app::{Action, App, Doing, Navigation};
 use touchline::document::FrameStatus;
 
 const CHILD_FILE: &str = "TOUCHLINE_TEST_KILLED_FILE";
@@ -40,9 +40,9 @@ fn child_that_accepts_until_it_is_killed() {
         headless.wait_until("a proposal", |app| suggested(app).is_some() || is_done(app));
         let Some(frame) = suggested(&headless.app) else { break };
         println!("proposed");
-        headless.act(Action::GoTo(frame));
+        headless.act(Action::Navigate(Navigation::GoTo(frame)));
         headless.act(Action::Command(touchline::app::Command::AcceptAndStay));
-        headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
+        headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
         println!("accepted {frame} {}", accepted(&headless.app)[&frame]);
     }
     println!("done");

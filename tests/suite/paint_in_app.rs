@@ -3,8 +3,10 @@
 use crate::headless::Headless;
 use crate::program::touchline;
 use touchline::app::guidance::next_step;
+use touchline::app::operation::Report;
+use touchline::app::operations::FrameSnap;
 use touchline::app::session::Level;
-use touchline::app::{Action, App, Command};
+use touchline::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline::calibrate::check_values;
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
@@ -82,10 +84,10 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let solution = frame(&headless.app).solution.as_ref().unwrap();
     assert!(solution.worst_corner_sigma_px.is_some_and(|px| px < 5.0) && solution.covariance.is_some());
     headless.act(Action::Hold(Command::Snap, true));
-    assert!(headless.app.session.held.before_snap && headless.app.session.snapping.is_none());
+    assert!(headless.app.session.picture.held.before_snap && headless.app.operations.frame_snap.running().is_none());
     assert_eq!(Some(headless.app.before_snap().unwrap().ptz()), before.as_ref().map(FramePtz::ptz));
     headless.act(Action::Hold(Command::Snap, false));
-    assert!(!headless.app.session.held.before_snap);
+    assert!(!headless.app.session.picture.held.before_snap);
     headless.act(Action::Command(Command::Undo));
     assert_eq!(frame(&headless.app).ptz, before);
     assert!(!next_step(&headless.app).text.contains("nap"), "{:?}", next_step(&headless.app));
@@ -111,7 +113,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
     let mut headless = Headless::opened(&place.path().join("project"));
     assert_eq!(headless.app.why_not(Command::SearchLines), Some("This frame has a camera: snap it."));
-    headless.act(Action::GoTo(1));
+    headless.act(Action::Navigate(Navigation::GoTo(1)));
     headless.wait_for_picture();
     assert!(headless.app.why_not(Command::Snap).is_some());
     assert_eq!(headless.app.why_not(Command::SearchLines), None);
@@ -121,14 +123,19 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     let searching = next_step(&headless.app);
     assert!(searching.text.starts_with("Searching the painted lines of "), "{searching:?}");
     assert_eq!(searching.offers, [("Stop", Command::StopSearch)]);
-    headless.act(Action::SnapProgress { ticket: headless.app.session.snap_tickets, share: 0.4 });
+    let request = headless.app.operations.frame_snap.running().unwrap().id();
+    headless.act(Action::Report(Report::of_progress::<FrameSnap>(request, 0.4)));
     assert!(next_step(&headless.app).text.ends_with(": 40 %…"), "{:?}", next_step(&headless.app));
     headless.act(Action::Command(Command::StopSearch));
-    assert!(headless.app.session.snapping.is_none() && headless.app.why_not(Command::StopSearch).is_some());
+    assert!(
+        headless.app.operations.frame_snap.running().is_none() && headless.app.why_not(Command::StopSearch).is_some()
+    );
     headless.act(Action::Command(Command::SearchLines));
     assert_eq!(next_step(&headless.app).offers, searching.offers, "another search");
     let refused = "No camera found: the picture shows 0 px of painted lines";
-    headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.starts_with(refused)));
+    headless.wait_until("the refusal", |app| {
+        app.session.messages.notices.iter().any(|notice| notice.text.starts_with(refused))
+    });
     assert_eq!((frame(&headless.app).ptz.as_ref(), frame(&headless.app).status), (None, FrameStatus::New));
 }
 
@@ -136,21 +143,22 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
 fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     let (place, _) = project();
     let mut headless = Headless::opened(&place.path().join("project"));
-    headless.act(Action::GoTo(1));
+    headless.act(Action::Navigate(Navigation::GoTo(1)));
     headless.wait_for_picture();
     let before = frame(&headless.app).ptz.clone();
     headless.act(Action::Command(Command::Snap));
     headless.wait_until("the refusal", |app| {
-        app.session.notices.iter().any(|notice| notice.text.starts_with("Not snapped: "))
+        app.session.messages.notices.iter().any(|notice| notice.text.starts_with("Not snapped: "))
     });
-    let refusal = headless.app.session.notices.iter().find(|notice| notice.text.starts_with("Not snapped")).unwrap();
+    let refusal =
+        headless.app.session.messages.notices.iter().find(|notice| notice.text.starts_with("Not snapped")).unwrap();
     assert_eq!(refusal.level, Level::Warning);
     assert_eq!(frame(&headless.app).ptz, before);
     headless.wait_until("the line check", |app| app.paint_says(1).is_some());
     // It is asked once whether that is meant.
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(frame(&headless.app).status, FrameStatus::Draft);
-    assert!(headless.app.session.offers(Command::AcceptAnyway), "{:?}", headless.app.session.notices);
+    assert!(headless.app.session.offers(Command::AcceptAnyway), "{:?}", headless.app.session.messages.notices);
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(frame(&headless.app).status, FrameStatus::Reference);
     let solution = frame(&headless.app).solution.as_ref().unwrap();
@@ -194,8 +202,8 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
         let camera = document.pointed(&document.frames[0]).unwrap();
         let field = headless.app.current().field().unwrap().clone();
         let shown = project_landmarks(&field, &camera, frame(&headless.app).image_size, -40.0);
-        headless.act(Action::Press { at: shown[0].image, on: None });
-        headless.act(Action::Release);
+        headless.act(Action::Pointer(PointerAction::Press { at: shown[0].image, on: None }));
+        headless.act(Action::Pointer(PointerAction::Release));
         assert_eq!(frame(&headless.app).clicks[0].target.is_some(), !is_asked, "{confidence}");
     }
 }
@@ -210,11 +218,12 @@ fn points_beside_painted_crossings_go_to_them() {
     let shown = project_landmarks(&field, &camera, size, -40.0);
     assert!(shown.len() >= 3, "{shown:?}");
     for projected in shown.iter().take(5) {
-        headless.act(Action::Pick(Target::Landmark(field.landmarks[projected.landmark].id.clone())));
-        headless.act(Action::Press { at: projected.image.moved(Vec2::new(2.0, -1.0)), on: None });
-        headless.act(Action::Release);
+        headless.act(Action::Edit(EditAction::Pick(Target::Landmark(field.landmarks[projected.landmark].id.clone()))));
+        headless
+            .act(Action::Pointer(PointerAction::Press { at: projected.image.moved(Vec2::new(2.0, -1.0)), on: None }));
+        headless.act(Action::Pointer(PointerAction::Release));
     }
-    headless.wait_until("the snap", |app| !app.session.just_snapped.is_empty());
+    headless.wait_until("the snap", |app| !app.session.points.just_snapped.is_empty());
     let snapped = frame(&headless.app).clicks.iter().filter(|click| click.snapped_sigma_px.is_some());
     for click in snapped {
         let id = click.target.as_ref().unwrap().as_str();
@@ -233,11 +242,11 @@ fn snapping_a_proposal_is_a_step_of_its_own() {
     document.frames[0].solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
     std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
     let mut headless = Headless::opened(&place.path().join("project"));
-    headless.act(Action::GoTo(1));
+    headless.act(Action::Navigate(Navigation::GoTo(1)));
     headless.wait_until("the line check", |app| app.paint_says(1).is_some());
     headless.act(Action::Command(Command::AcceptAndStay));
     headless.act(Action::Command(Command::AcceptAnyway));
-    headless.act(Action::GoTo(0));
+    headless.act(Action::Navigate(Navigation::GoTo(0)));
     headless.wait_for_picture();
     let before = frame(&headless.app).ptz.clone();
     headless.act(Action::Command(Command::Snap));

@@ -14,7 +14,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use touchline::app::session::Saving;
-use touchline::app::{Action, Command as Do};
+use touchline::app::{Action, Command as Do, EditAction, Navigation};
 use touchline::document::{Document, FrameStatus, RejectReason};
 use touchline::media::sha256_of_file;
 use touchline::relocalize::ForestModel;
@@ -50,21 +50,21 @@ fn child_that_edits_until_it_is_killed() {
     let mut headless = Headless::opened(Path::new(file));
     let mut random = rng(number);
     let mut edits = 0;
-    let is_saved = |app: &touchline::app::App| !matches!(app.session.saving, Saving::Pending);
+    let is_saved = |app: &touchline::app::App| !matches!(app.session.disk.saving, Saving::Pending);
     loop {
         let document = &headless.app.open().unwrap().document;
         println!("kept {}", done_in(document));
         let frames = document.frames.len();
-        headless.act(Action::GoTo(random.random_range(0..frames)));
+        headless.act(Action::Navigate(Navigation::GoTo(random.random_range(0..frames))));
         edits += 1;
         let action = match random.random_range(0..20) {
-            0..8 => Action::SetComment(format!("{number}-{edits}")),
+            0..8 => Action::Edit(EditAction::SetComment(format!("{number}-{edits}"))),
             8..11 => Action::Command(Do::Undo),
             11..13 => Action::Command(Do::Redo),
-            13 => Action::RejectAs(RejectReason::Blur),
+            13 => Action::Edit(EditAction::RejectAs(RejectReason::Blur)),
             14..16 => Action::Command(Do::AcceptAndStay),
             16 => Action::Command(Do::MarkGold),
-            17 => Action::DeleteClick(0),
+            17 => Action::Edit(EditAction::DeleteClick(0)),
             _ => Action::Command(Do::Save),
         };
         let effects = headless.app.update(action);

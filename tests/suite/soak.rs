@@ -12,7 +12,7 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 use touchline::app::session::Saving;
-use touchline::app::{Action, App, Command as Do, Doing};
+use touchline::app::{Action, App, Command as Do, Doing, EditAction, Navigation, PointerAction};
 use touchline::document::RejectReason;
 use touchline::geometry::ImagePoint;
 
@@ -52,7 +52,7 @@ fn actions() -> usize {
 }
 
 fn is_quiet(app: &App) -> bool {
-    app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.saving, Saving::Pending)
+    app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.disk.saving, Saving::Pending)
 }
 
 /// Not a test by itself: the program that the next test measures.
@@ -68,21 +68,21 @@ fn child_that_works_for_hours() {
         let at = ImagePoint::new(random.random_range(0.0..640.0), random.random_range(0.0..360.0));
         let clicks = headless.app.frame().map_or(0, |frame| frame.clicks.len());
         match random.random_range(0..24) {
-            0..6 => headless.act(Action::GoTo(random.random_range(0..frames))),
+            0..6 => headless.act(Action::Navigate(Navigation::GoTo(random.random_range(0..frames)))),
             6..9 if clicks < 12 => {
-                headless.act(Action::Press { at, on: None });
-                headless.act(Action::Release);
+                headless.act(Action::Pointer(PointerAction::Press { at, on: None }));
+                headless.act(Action::Pointer(PointerAction::Release));
             }
             6..12 if clicks > 0 => {
-                headless.act(Action::Press { at, on: Some(random.random_range(0..clicks)) });
-                headless.act(Action::Drag(at));
-                headless.act(Action::Release);
+                headless.act(Action::Pointer(PointerAction::Press { at, on: Some(random.random_range(0..clicks)) }));
+                headless.act(Action::Pointer(PointerAction::Drag(at)));
+                headless.act(Action::Pointer(PointerAction::Release));
             }
             12 => headless.act(Action::Command(Do::DeleteClick)),
-            13..15 => headless.act(Action::SetComment(done.to_string())),
+            13..15 => headless.act(Action::Edit(EditAction::SetComment(done.to_string()))),
             15..17 => headless.act(Action::Command(Do::Undo)),
             17 => headless.act(Action::Command(Do::Redo)),
-            18 => headless.act(Action::RejectAs(RejectReason::Blur)),
+            18 => headless.act(Action::Edit(EditAction::RejectAs(RejectReason::Blur))),
             19 => headless.act(Action::Command(Do::AcceptAndStay)),
             20 => headless.act(Action::Command(Do::Snap)),
             21 => headless.act(Action::Command(Do::QualityPage)),

@@ -6,7 +6,7 @@ use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use touchline::app::guidance::next_step;
-use touchline::app::{Action, App, Command};
+use touchline::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline::camera::Ptz;
 use touchline::document::{
     Camera, Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
@@ -234,7 +234,7 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
         assert!(off_px < 1.5, "frame {index}: {off_px} px");
     }
     // They stand beside what people did: accepting one is a step of undo, after which it is a suggestion again.
-    headless.act(Action::GoTo(5));
+    headless.act(Action::Navigate(Navigation::GoTo(5)));
     headless.wait_for_picture();
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(headless.app.frame().unwrap().status, FrameStatus::Reference);
@@ -275,10 +275,10 @@ fn far_apart(truth: &Document, frame: usize) -> [LandmarkId; 2] {
 fn click(headless: &mut Headless, truth: &Document, landmark: &LandmarkId) {
     let shown = shown(truth, headless.app.session.frame);
     let (_, at) = shown.iter().find(|(id, _)| id == landmark).unwrap();
-    headless.act(Action::Press { at: *at, on: None });
-    headless.act(Action::Release);
+    headless.act(Action::Pointer(PointerAction::Press { at: *at, on: None }));
+    headless.act(Action::Pointer(PointerAction::Release));
     let click = headless.app.frame().unwrap().clicks.len() - 1;
-    headless.act(Action::Name { click, target: Target::Landmark(landmark.clone()) });
+    headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.clone()) }));
 }
 
 #[test]
@@ -304,13 +304,14 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
     for at in (0..28).filter(|at| at % 5 != 0) {
         fs::remove_file(folder.join(format!("images/{:04}.jpg", at + 1))).unwrap();
     }
-    headless.act(Action::GoTo(29));
+    headless.act(Action::Navigate(Navigation::GoTo(29)));
     headless.wait_for_picture();
     for landmark in far_apart(&truth, 29) {
         click(&mut headless, &truth, &landmark);
     }
     headless.act(Action::Command(Command::AcceptAndStay));
-    let followed = |app: &App| app.session.notices.iter().any(|notice| notice.text.contains("follow this correction"));
+    let followed =
+        |app: &App| app.session.messages.notices.iter().any(|notice| notice.text.contains("follow this correction"));
     headless.wait_until("the others follow", followed);
     assert_eq!(tracked(&headless.app), 28);
     assert!(off_px(&headless.app, 20) < 2.0, "{}", off_px(&headless.app, 20));

@@ -8,10 +8,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
-use touchline::app::{Doing, TrainerOrder, TrainerStatus};
+use touchline::app::{Doing, TrainerOrder, TrainerReport, TrainerStatus};
 use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
-use touchline::jobs::{SharedPictures, Trainer, TrainerOptions, TrainerReport};
+use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
 use touchline::proposals::{Proposal, WorkFolder};
 use touchline::relocalize::TrainOptions;
 

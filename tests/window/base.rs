@@ -4,7 +4,6 @@ use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
-use touchline::app::base::BaseWork;
 use touchline::app::session::{Mode, SidePanel};
 use touchline::document::Target;
 use touchline::scene::uncertainty::UncertaintyView;
@@ -20,7 +19,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     assert!(window.app().current().preview.is_some(), "the landmarks of one frame show what they can");
     window.harness.get_by_label("Estimate the base now").click();
     window.harness.step();
-    window.wait_for(|shell| shell.app().session.base.proposed().is_some());
+    window.wait_for(|shell| shell.app().operations.base_estimate.proposed().is_some());
     window.harness.run_steps(3);
     assert_eq!(window.app().session.panel, SidePanel::Camera);
     assert!(window.app().current().base.is_none(), "nothing is taken over unasked");
@@ -33,7 +32,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     window.harness.run_steps(3);
     let base = window.app().current().base.unwrap();
     assert!((base.position_m - truth(0).base().position_m).norm() < 0.3, "{:?}", base.position_m);
-    assert!(matches!(window.app().session.base, BaseWork::Applied(_)));
+    assert!(window.app().operations.base_estimate.applied().is_some());
     assert!(window.app().open().unwrap().document.frames.iter().all(|frame| frame.is_solved_by_clicks()));
 
     // A bar leads to its frame, a cross leaves it out, a button puts it back.
@@ -67,9 +66,9 @@ fn two_points_close_together() -> Window {
 fn a_key_shows_a_band_then_a_heat_map_then_neither() {
     let mut window = two_points_close_together();
     window.key(Key::U);
-    assert_eq!(window.app().session.uncertainty, UncertaintyView::Band);
+    assert_eq!(window.app().session.picture.uncertainty, UncertaintyView::Band);
     window.key(Key::U);
-    assert_eq!(window.app().session.uncertainty, UncertaintyView::Heat);
+    assert_eq!(window.app().session.picture.uncertainty, UncertaintyView::Heat);
     window.harness.hover_at(pos2(1100.0, 500.0));
     window.harness.run_steps(3);
     // Rings and names have come to rest.
@@ -78,7 +77,7 @@ fn a_key_shows_a_band_then_a_heat_map_then_neither() {
     }
     window.snapshot_of("heat", Rect::from_min_max(pos2(0.0, 24.0), pos2(980.0, 596.0)));
     window.key(Key::U);
-    assert_eq!(window.app().session.uncertainty, UncertaintyView::Off);
+    assert_eq!(window.app().session.picture.uncertainty, UncertaintyView::Off);
 }
 
 fn the_details_rank_the_next_points_and_one_is_placed_from_there() {

@@ -4,8 +4,8 @@ use super::harness::Window;
 use crate::parts::{Test, tests};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
-use touchline::app::Action;
 use touchline::app::session::{Dialog, Leaving, Saving};
+use touchline::app::{Action, EditAction};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] ctrl_q_asks_in_the_window_before_edits_are_lost;
@@ -17,8 +17,8 @@ fn ctrl_q_asks_in_the_window_before_edits_are_lost() {
     let folder = window.app().open().unwrap().folder.clone();
     let away = folder.with_extension("away");
     std::fs::rename(&folder, &away).unwrap();
-    window.harness.state_mut().apply([Action::SetComment("kept?".to_owned())]);
-    window.wait_for(|shell| matches!(shell.app().session.saving, Saving::Failed { .. }));
+    window.harness.state_mut().apply([Action::Edit(EditAction::SetComment("kept?".to_owned()))]);
+    window.wait_for(|shell| matches!(shell.app().session.disk.saving, Saving::Failed { .. }));
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::Q);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::NotSaved(Leaving::Close)));

@@ -6,7 +6,7 @@ use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::guide::GuidePage;
 use touchline::app::session::Dialog;
-use touchline::app::{Action, Command};
+use touchline::app::{Action, Command, ViewAction};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] every_dialog_leads_to_its_page_and_back;
@@ -49,7 +49,7 @@ fn every_dialog_leads_to_its_page_and_back() {
         window.harness.get_by_label("Back").click();
         window.harness.run_steps(3);
         assert_eq!(window.app().session.dialog, before, "{}", command.name());
-        window.harness.state_mut().apply([Action::CloseDialog]);
+        window.harness.state_mut().apply([Action::View(ViewAction::CloseDialog)]);
         window.harness.run_steps(2);
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use touchline::app::session::PictureView;
-use touchline::app::{Action, App};
+use touchline::app::{Action, App, TrainerReport};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -230,7 +230,7 @@ impl Window {
             outcome: Ok(answer),
             timings: Timings::default(),
         };
-        self.harness.state_mut().apply([Action::Proposals(vec![proposal])]);
+        self.harness.state_mut().apply([Action::Trainer(TrainerReport::Proposals(vec![proposal]))]);
         self.harness.run_steps(2);
     }
 
@@ -249,8 +249,8 @@ impl Window {
     pub fn on_screen(&self, at: ImagePoint) -> egui::Pos2 {
         let rect = self.harness.get_by_label("Picture").rect();
         let per_point = f64::from(self.harness.ctx.pixels_per_point());
-        let (scale, centre) = match self.app().session.view {
-            PictureView::Fit => (self.app().session.fit_scale, SIZE.centre()),
+        let (scale, centre) = match self.app().session.picture.view {
+            PictureView::Fit => (self.app().session.picture.fit_scale, SIZE.centre()),
             PictureView::Zoomed { scale, centre } => (scale, centre),
         };
         let way = at.offset_from(centre) * (scale / per_point);

@@ -40,21 +40,21 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     // The third names itself, and says so.
     window.click(window.image_of("penalty_mark_left"));
     assert_eq!(window.app().session.mode, Mode::Idle);
-    assert_eq!(window.app().session.named_unasked, Some(2));
+    assert_eq!(window.app().session.points.named_unasked, Some(2));
     let clicks = &window.app().frame().unwrap().clicks;
     assert_eq!(clicks[2].target, Some(Target::Landmark("penalty_mark_left".into())));
     assert!(clicks[2].image.distance_px(window.image_of("penalty_mark_left")) < 1.0, "{:?}", clicks[2].image);
 
     // Enter, while letters would change the name, confirms it and nothing else.
     window.key(Key::Enter);
-    assert_eq!((window.app().session.frame, window.app().session.named_unasked), (0, None));
+    assert_eq!((window.app().session.frame, window.app().session.points.named_unasked), (0, None));
 
     // Accepted by a stroke for itself: the frame is a reference, the next one is shown, everything is on disk.
     window.harness.run_steps(5);
     window.key(Key::Enter);
     assert_eq!(window.app().session.frame, 1);
     assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Reference);
-    window.wait_for(|shell| matches!(shell.app().session.saving, Saving::Saved { .. }));
+    window.wait_for(|shell| matches!(shell.app().session.disk.saving, Saving::Saved { .. }));
     let (_, document, _) = touchline::store::read(window.folder.path()).unwrap();
     assert_eq!(document.frames[0].clicks.len(), 3);
     assert_eq!(document.frames[0].status, FrameStatus::Reference);

@@ -4,7 +4,7 @@ use super::harness::{Window, truth};
 use crate::parts::{Test, tests};
 use egui::{Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
-use touchline::app::Action;
+use touchline::app::{Action, EditAction};
 use touchline::document::Target;
 
 pub const TESTS: &[Test] = tests![
@@ -16,7 +16,7 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     let named =
         ["penalty_mark_left", "penalty_area_far_left_front", "penalty_arc_far_left", "goal_area_far_left_front"];
     for (place, landmark) in named.iter().enumerate() {
-        let pick = Action::Pick(Target::Landmark((*landmark).into()));
+        let pick = Action::Edit(EditAction::Pick(Target::Landmark((*landmark).into())));
         window.harness.state_mut().apply([pick]);
         let shown = named[match place {
             1 => 3,
@@ -37,11 +37,11 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     let button = window.harness.get_by_label("Compare").rect().center();
     window.press(button);
     window.harness.run_steps(2);
-    assert!(window.app().session.held.compare);
+    assert!(window.app().session.picture.held.compare);
     window.snapshot_of("compared", Rect::from_min_max(pos2(0.0, 24.0), pos2(980.0, 480.0)));
     window.release(button);
     window.harness.run_steps(2);
-    assert!(!window.app().session.held.compare);
+    assert!(!window.app().session.picture.held.compare);
 
     window.harness.get_by_label("Swap").click();
     window.harness.run_steps(3);

@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, Filter, Level, SidePanel};
-use touchline::app::{Action, Command, Question};
+use touchline::app::{Action, Command, Question, SettingsAction, ViewAction};
 use touchline::document::{FrameStatus, RejectReason};
 use touchline::exchange::Format;
 use touchline::ui::Shell;
@@ -118,7 +118,7 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
     window.snapshot_of("inspector", egui::Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)));
     window.harness.get_by_label("Point 1: Penalty area, far left, front corner, no evidence").click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().session.selected, Some(0));
+    assert_eq!(window.app().session.points.selected, Some(0));
     window.key(Key::ArrowRight);
     assert_eq!(undo_name(&window).as_deref(), Some("Nudge Penalty area, far left, front corner"));
     window.harness.get_by_label("Check point 2").click();
@@ -260,7 +260,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
     window.key(Key::Period);
     assert_eq!(window.app().settings.keys.shown(Command::NextNeedsMe), ".");
     assert_eq!(window.app().settings.keys.shown(Command::NextFrame), "");
-    let told = &window.app().session.notices.last().unwrap().text;
+    let told = &window.app().session.messages.notices.last().unwrap().text;
     assert!(told.contains("“Next frame” no longer has a key"), "{told}");
     window.harness.get_by_label("Reset to defaults").click();
     window.harness.run_steps(2);
@@ -286,7 +286,7 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let picture = window.harness.get_by_label("Picture").rect();
     let told = |window: &mut Window, level: Level, text: &str| {
-        window.harness.state_mut().apply([Action::Notify(level, text.to_owned())]);
+        window.harness.state_mut().apply([Action::View(ViewAction::Notify(level, text.to_owned()))]);
         window.harness.run_steps(4);
     };
     told(&mut window, Level::Warning, "0412.jpg changed since it was labelled.");
@@ -305,7 +305,7 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     assert!(window.harness.query_by_label("Dataset written.").is_some());
     window.harness.get_by_label("Dismiss all messages").click();
     window.harness.run_steps(3);
-    assert!(window.app().session.notices.is_empty() && window.app().session.told.len() >= 2);
+    assert!(window.app().session.messages.notices.is_empty() && window.app().session.messages.log.len() >= 2);
 }
 
 fn a_comment_is_written_and_an_overlay_colour_chosen() {
@@ -334,12 +334,12 @@ fn nothing_open_invites_and_takes_a_typed_path() {
     harness.run_steps(2);
     harness.get_by_label("Open").click();
     let start = std::time::Instant::now();
-    while harness.state().app().session.notices.is_empty() {
+    while harness.state().app().session.messages.notices.is_empty() {
         assert!(start.elapsed().as_secs() < 60, "nobody says that there is no such place");
         std::thread::sleep(std::time::Duration::from_millis(5));
         harness.step();
     }
-    assert!(harness.state().app().session.notices[0].text.contains("/no/such/place"));
+    assert!(harness.state().app().session.messages.notices[0].text.contains("/no/such/place"));
 }
 
 fn every_control_has_a_name() {
@@ -398,7 +398,7 @@ fn every_control_has_a_name() {
         window.harness.state_mut().apply([Action::Command(dialog)]);
         window.harness.run_steps(3);
         nameless(&window, dialog.name());
-        window.harness.state_mut().apply([Action::CloseDialog]);
+        window.harness.state_mut().apply([Action::View(ViewAction::CloseDialog)]);
         window.harness.run_steps(2);
     }
 }
@@ -505,7 +505,10 @@ fn the_picture_is_made_brighter_and_stays_so_between_frames() {
     window.key(Key::I);
     assert_eq!(window.app().session.dialog, Some(Dialog::PictureLook));
     let look = touchline::scene::PictureLook { gamma: 2.0, ..Default::default() };
-    window.harness.state_mut().apply([Action::SetPictureLook(look), Action::CloseDialog]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Settings(SettingsAction::PictureLook(look)), Action::View(ViewAction::CloseDialog)]);
     window.key(Key::Period);
     window.wait_for(Shell::has_picture);
     window.harness.run_steps(2);
@@ -518,7 +521,7 @@ fn the_picture_is_made_brighter_and_stays_so_between_frames() {
 fn without_a_file_dialog_the_path_is_typed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let file = window.folder.path().join("out.json");
-    window.harness.state_mut().apply([Action::TypePath(Question::ExportAs(Format::Json))]);
+    window.harness.state_mut().apply([Action::View(ViewAction::TypePath(Question::ExportAs(Format::Json)))]);
     window.harness.run_steps(3);
     window.type_text(&file.display().to_string());
     window.key(Key::Enter);

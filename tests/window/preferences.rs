@@ -5,7 +5,7 @@ use crate::parts::{Test, tests};
 use egui::{Key, Modifiers, Rect, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::settings::ThemeChoice;
-use touchline::app::{Action, Command};
+use touchline::app::{Action, Command, SettingsAction, ViewAction};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_light_theme_is_light_everywhere_at_once;
@@ -29,7 +29,7 @@ fn the_light_theme_is_light_everywhere_at_once() {
     assert_eq!(window.app().settings.theme, ThemeChoice::Light);
     let part = Rect::from_min_max(pos2(380.0, 40.0), pos2(900.0, 330.0));
     window.snapshot_of("preferences_light", part);
-    window.harness.state_mut().apply([Action::CloseDialog]);
+    window.harness.state_mut().apply([Action::View(ViewAction::CloseDialog)]);
     window.harness.run_steps(3);
     let image = window.harness.render().unwrap();
     let ground = |x: u32, y: u32| image.get_pixel(x, y).0[..3].iter().map(|value| u32::from(*value)).sum::<u32>() / 3;
@@ -67,7 +67,7 @@ fn without_the_loupe_there_is_none() {
     window.release(at);
     window.key(Key::Escape);
     let look = touchline::app::settings::Loupe { shown: false, ..Default::default() };
-    window.harness.state_mut().apply([Action::SetLoupe(look)]);
+    window.harness.state_mut().apply([Action::Settings(SettingsAction::Loupe(look))]);
     window.press(at);
     assert!(window.harness.query_by_label("Loupe").is_none());
     window.release(at);
@@ -118,7 +118,7 @@ fn tab_goes_through_a_dialog_from_top_to_bottom() {
             let beside = (after.1.center().y - before.1.center().y).abs() <= 12.0;
             assert!(lower || beside, "{title}: {} and then {}", before.0, after.0);
         }
-        window.harness.state_mut().apply([Action::CloseDialog]);
+        window.harness.state_mut().apply([Action::View(ViewAction::CloseDialog)]);
         window.harness.run_steps(2);
     }
 }

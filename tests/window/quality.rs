@@ -69,7 +69,7 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
     window.press(more);
     window.release(more);
     assert_eq!((window.app().session.frame, window.app().session.quality.open), (3, false));
-    let worst = window.app().session.selected;
+    let worst = window.app().session.points.selected;
     assert!(worst.is_some());
     window.key(Key::F5);
     let click = &window.app().frame().unwrap().clicks[worst.unwrap()];
@@ -78,7 +78,7 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
     let row = format!("{clicks} × {}: ", window.app().label(&target));
     window.harness.get_by_label_contains(&row).click();
     window.harness.run_steps(2);
-    assert_eq!((window.app().session.frame, window.app().session.selected), (3, worst));
+    assert_eq!((window.app().session.frame, window.app().session.points.selected), (3, worst));
 }
 
 fn without_a_camera_the_page_says_what_will_appear() {

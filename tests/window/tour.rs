@@ -5,7 +5,7 @@ use crate::parts::{Test, tests};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::tour::TourStep;
-use touchline::app::{Action, Command};
+use touchline::app::{Action, Command, EditAction};
 use touchline::document::Target;
 
 pub const TESTS: &[Test] = tests![
@@ -19,7 +19,7 @@ fn step(window: &Window) -> Option<TourStep> {
 
 /// Places a landmark by its name.
 fn place(window: &mut Window, landmark: &str) {
-    window.harness.state_mut().apply([Action::Pick(Target::Landmark(landmark.into()))]);
+    window.harness.state_mut().apply([Action::Edit(EditAction::Pick(Target::Landmark(landmark.into())))]);
     window.click(window.image_of(landmark));
     window.harness.run_steps(2);
 }
@@ -79,6 +79,6 @@ fn without_a_frame_to_try_the_tour_says_what_to_do() {
     window.type_text("1");
     window.harness.state_mut().apply([Action::Command(Command::StartTour)]);
     assert_eq!(step(&window), None);
-    let told = &window.app().session.notices.last().unwrap().text;
+    let told = &window.app().session.messages.notices.last().unwrap().text;
     assert!(told.contains("no frame left to try") && told.contains("Delete "), "{told}");
 }

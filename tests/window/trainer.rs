@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;
 use std::time::Duration;
 use touchline::app::session::SidePanel;
-use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus, UnusableReference};
+use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerReport, TrainerStatus, UnusableReference};
 use touchline::document::Document;
 use touchline::geometry::{Angle, AngleRange};
 use touchline::proposals::{Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality, TrainingSampleError};
@@ -74,7 +74,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     assert_eq!(window.app().session.panel, SidePanel::Trainer);
     window.harness.get_by_label("Waiting for the first reference.");
     let status = status(&window.app().open().unwrap().document);
-    window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
+    window.harness.state_mut().apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
     window.harness.run_steps(3);
     for said in [
         "Proposing cameras: 30 of 120, about 70\u{a0}s left.",
@@ -111,7 +111,7 @@ fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
     let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     let trouble = Some("Internal error while learning (please report it): the saw broke.".to_owned());
     let status = TrainerStatus { trouble, references: 1, ..TrainerStatus::default() };
-    window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
+    window.harness.state_mut().apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
     window.harness.run_steps(2);
     window.harness.get_by_label("trainer: problem").click();
     window.harness.run_steps(2);

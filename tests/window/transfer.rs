@@ -17,13 +17,13 @@ pub const TESTS: &[Test] = tests![
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 fn looked(window: &mut Window) {
-    window.wait_for(|shell| shell.app().session.transfer.found.is_some() && shell.is_idle());
+    window.wait_for(|shell| shell.app().operations.transfer.found.is_some() && shell.is_idle());
     window.harness.run_steps(3);
 }
 
 /// The format of the export that was looked at.
 fn exported(app: &App) -> Option<Format> {
-    match &app.session.transfer.found.as_ref()?.look {
+    match &app.operations.transfer.found.as_ref()?.look {
         Look::Export(Ok(exported)) => Some(exported.format),
         _ => None,
     }
@@ -59,5 +59,5 @@ fn a_dataset_is_shown_before_it_is_written() {
     window.harness.state_mut().apply([Action::Answer(Question::DatasetTo, folder.clone())]);
     window.wait_for(|shell| folder.join("manifest.sha256").exists() && shell.app().session.dialog.is_none());
     window.harness.state_mut().apply([Action::Transfer(TransferAction::Stop)]);
-    assert!(window.app().session.transfer.under_way.is_none());
+    assert!((!window.app().operations.transfer.is_looking() && window.app().operations.transfer.writing().is_none()));
 }

@@ -4,8 +4,8 @@ use super::harness::Window;
 use crate::parts::{Test, tests};
 use egui::{Event, Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable as _;
-use touchline::app::Action;
 use touchline::app::session::Mode;
+use touchline::app::{Action, EditAction};
 use touchline::document::{FrameStatus, RejectReason, Target};
 use touchline::geometry::ImagePoint;
 
@@ -62,10 +62,10 @@ fn the_next_point_is_nudged() {
     window.click(ImagePoint::new(400.0, 250.0));
     window.key(Key::Enter);
     window.key(Key::Escape);
-    assert_eq!(window.app().session.selected, None);
+    assert_eq!(window.app().session.points.selected, None);
     let before: Vec<_> = window.app().frame().unwrap().clicks.iter().map(|click| click.image.x).collect();
     all_at_once(&mut window, &[stroke(Key::Tab, ""), stroke(Key::ArrowRight, "")]);
-    let selected = window.app().session.selected.unwrap();
+    let selected = window.app().session.points.selected.unwrap();
     let moved = window.app().frame().unwrap().clicks[selected].image.x - before[selected];
     assert!((moved - 0.1).abs() < 1e-9, "{moved}");
 }
@@ -99,14 +99,14 @@ fn what_is_typed_after_a_dialog_opens_is_typed_into_it() {
 fn a_key_that_was_tapped_holds_nothing() {
     let mut window = Window::open(1, [960.0, 600.0], 1.0);
     all_at_once(&mut window, &[stroke(Key::H, "h")]);
-    assert!(!window.app().session.held.hide_overlay);
+    assert!(!window.app().session.picture.held.hide_overlay);
 }
 
 /// A frame with two points, so that the third names itself.
 fn two_points_named() -> Window {
     let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     for landmark in ["penalty_area_far_left_front", "centre_circle_halfway_near"] {
-        let pick = Action::Pick(Target::Landmark(landmark.into()));
+        let pick = Action::Edit(EditAction::Pick(Target::Landmark(landmark.into())));
         window.harness.state_mut().apply([pick]);
         window.click(window.image_of(landmark));
     }

@@ -50,13 +50,13 @@ fn the_wheel_zooms_to_the_pointer_and_the_view_stays_on_the_next_frame() {
         wheel(&mut window, 1.0);
     }
     assert!(window.on_screen(held).distance(at) < 4.0, "{:?}", window.on_screen(held));
-    let PictureView::Zoomed { scale, .. } = window.app().session.view else { panic!("enlarged") };
+    let PictureView::Zoomed { scale, .. } = window.app().session.picture.view else { panic!("enlarged") };
     assert!(scale > 3.0, "{scale}");
-    let view = window.app().session.view;
+    let view = window.app().session.picture.view;
     window.key(Key::Period);
-    assert_eq!((window.app().session.frame, window.app().session.view), (1, view));
+    assert_eq!((window.app().session.frame, window.app().session.picture.view), (1, view));
     window.key(Key::F);
-    assert_eq!(window.app().session.view, PictureView::Fit);
+    assert_eq!(window.app().session.picture.view, PictureView::Fit);
 }
 
 fn the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window() {

@@ -4,6 +4,7 @@
 //! sentence for its tooltip, a group and default keys. [`super::App::why_not`] decides whether it is available and gives
 //! the reason if it is not.
 
+use super::command_kind::CommandKind;
 use super::menu_group::MenuGroup;
 
 /// Something a user can ask for by menu, key or palette.
@@ -70,18 +71,13 @@ pub enum Command {
     SwitchRoot,
     Snap,
     SearchLines,
-    /// Known cameras are carried through the shown frame's clip.
     Track,
-    /// That ends.
     DiscardCarried,
     StopTracking,
-    /// The frame to click next for the base is shown.
+    TakeLength,
     ShowForBase,
-    /// The search by the painted lines ends.
     StopSearch,
-    /// Points go to the paint that they name, or stay where they are placed.
     SnapPoints,
-    /// Suggestions are snapped to the painted lines before they are shown, or left as the forest gives them.
     SnapSuggestions,
     ZoomIn,
     ZoomOut,
@@ -99,13 +95,9 @@ pub enum Command {
     ShowFeatures,
     ReviewPanel,
     QualityPage,
-    /// The camera is looked for without a click.
     FindCamera,
-    /// The search for the camera ends, or what it left to decide goes.
     StopFindCamera,
-    /// The first of two cameras that were found is tried.
     TryFirstCamera,
-    /// The other one.
     TryOtherCamera,
     EstimateBase,
     BaseOnPaint,
@@ -125,7 +117,6 @@ pub enum Command {
     PictureLook,
     Preferences,
     Guide,
-    /// The tour on the demo match begins.
     StartTour,
     LeaveTour,
     Palette,
@@ -140,132 +131,134 @@ struct Row {
     command: Command,
     id: &'static str,
     group: MenuGroup,
+    kind: CommandKind,
     name: &'static str,
     about: &'static str,
     keys: &'static [&'static str],
 }
 
 macro_rules! rows {
-    ($($command:ident, $id:literal, $group:ident, $name:literal, $about:literal, [$($key:literal),*];)*) => {
+    ($($command:ident, $id:literal, $group:ident, $kind:ident, $name:literal, $about:literal, [$($key:literal),*];)*) => {
         const ROWS: &[Row] = &[$(Row {
-            command: Command::$command, id: $id, group: MenuGroup::$group, name: $name, about: $about, keys: &[$($key),*],
+            command: Command::$command, id: $id, group: MenuGroup::$group, kind: CommandKind::$kind, name: $name, about: $about, keys: &[$($key),*],
         },)*];
     };
 }
 
 rows! {
-    OpenProject, "open_project", File, "Open project…", "Open a project folder, a project.json or a dataset file.", ["Ctrl+O"];
-    OpenFolder, "open_folder", File, "Open folder of frames…", "Start a project from a folder of images, or continue it.", ["Ctrl+Shift+O"];
-    OpenVideo, "open_video", File, "Open video…", "Start a project from a video, or continue it.", ["Ctrl+Alt+O"];
-    OpenDemo, "open_demo", File, "Try the demo match", "Open a synthetic match and try the two-click method (2 minutes).", [];
-    Save, "save", File, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
-    SaveAs, "save_as", File, "Save a copy…", "Write the project to another folder; its paths keep pointing at the same files.", ["Ctrl+Shift+S"];
-    Import, "import", File, "Import labels…", "Read clicks or cameras from another program, preview them, and merge them into this document. One step of undo.", [];
-    Export, "export", File, "Export…", "Write the document in one of many formats; anything that a format cannot hold is listed first.", ["Ctrl+E"];
-    ExportDataset, "export_dataset", File, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
-    Orphans, "orphans", File, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
-    Quit, "quit", File, "Quit", "Save and close the window.", ["Ctrl+Q"];
-    Undo, "undo", Edit, "Undo", "Undo the last change. If it is on another frame, the first press goes to that frame.", ["Ctrl+Z"];
-    Redo, "redo", Edit, "Redo", "Redo the last change that was undone.", ["Ctrl+Shift+Z", "Ctrl+Y"];
-    DeleteClick, "delete_click", Edit, "Delete point", "Delete the selected point.", ["Delete"];
-    RenameClick, "rename_click", Edit, "Name point…", "Give the selected point another name.", ["C"];
-    NameNext, "name_next", Edit, "Name the next point…", "Go to the first point of this frame that has no name, and name it.", [];
-    PlaceOnLine, "place_on_line", Edit, "Point on a line", "Mark the next or the selected point as lying on a line of the field, not on a landmark.", ["L"];
-    ToggleCheck, "toggle_check", Edit, "Check point", "Leave the selected point out of the solve and show its error instead.", ["K"];
-    NextClick, "next_click", Edit, "Next point", "Select the next point of this frame.", ["Tab"];
-    PreviousClick, "previous_click", Edit, "Previous point", "Select the previous point of this frame.", ["Shift+Tab"];
-    Cancel, "cancel", Edit, "Cancel", "Cancel the current action, or deselect.", ["Escape"];
-    Preferences, "preferences", Edit, "Preferences…", "Size of texts, panels, snapping, overlay, keys: what belongs to you and not to a project.", ["Ctrl+Comma"];
-    NextFrame, "next_frame", Frame, "Next frame", "Go one frame forward; hold to play.", ["Period"];
-    PreviousFrame, "previous_frame", Frame, "Previous frame", "Go one frame back.", ["Comma"];
-    NextTenFrames, "next_ten_frames", Frame, "Ten frames forward", "Go ten frames forward.", ["Shift+Period"];
-    PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Go ten frames back.", ["Shift+Comma"];
-    NextNeedsMe, "next_needs_me", Frame, "Next frame to do", "Go to the next frame that is neither accepted nor rejected; in the order of the list while the review panel is open.", ["N"];
-    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame to do", "Go to the previous frame that is neither accepted nor rejected.", ["Shift+N"];
-    NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame whose label would help most frames without a confident proposal.", [];
-    FirstFrame, "first_frame", Frame, "First frame", "Go to the first frame, number 0.", ["Home"];
-    LastFrame, "last_frame", Frame, "Last frame", "Go to the last frame.", ["End"];
-    GoToPlace, "go_to_place", Frame, "Go to frame or time…", "Type a frame's number or a time: 500 or 1:23.4.", ["Ctrl+G"];
-    PlayPause, "play_pause", Frame, "Play or pause", "Play the video at its own rate, or at the speed beside the timeline.", ["P"];
-    NextShot, "next_shot", Frame, "Next shot", "Go to the first frame of the next shot of this video.", ["PageDown"];
-    PreviousShot, "previous_shot", Frame, "Previous shot", "Go to the first frame of this shot, or of the one before.", ["PageUp"];
-    FindShots, "find_shots", Frame, "Find the cuts", "Look at every frame of this video for cuts between shots, in the background; shots marked before are replaced. One step of undo.", [];
-    StopShotSearch, "stop_shot_search", Frame, "Stop looking for cuts", "Stop the search for cuts; nothing is changed.", [];
-    AddCut, "add_cut", Frame, "Cut before this frame", "Start a new shot at this frame and end the previous one before it. One step of undo.", [];
-    MoveCutHere, "move_cut_here", Frame, "Move the cut here", "Move the nearest cut to just before this frame, so that its shot starts here. One step of undo.", [];
-    RemoveCut, "remove_cut", Frame, "Join with previous shot", "Remove the cut before this shot and merge it with the previous one. One step of undo.", [];
-    NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
-    PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
-    Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next frame to do.", ["Enter"];
-    AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
-    AcceptAnyway, "accept_anyway", Frame, "Accept although it looks wrong", "Make this frame a reference although something contradicts it. It is not used for training unless you say so.", [];
-    AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion above a confidence you choose, after a preview. One step of undo.", ["Ctrl+Enter"];
-    UseForTraining, "use_for_training", Frame, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
-    Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
-    RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
-    Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
-    MendNames, "mend_names", Frame, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
-    SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
-    Snap, "snap", Frame, "Snap to the painted lines", "Refine pan, tilt and focal length on the painted lines of the picture, held by the points. Hold the key to see the camera before. One step of undo.", ["S"];
-    SearchLines, "search_lines", Frame, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. One step of undo.", [];
-    Track, "track", Frame, "Carry cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
-    DiscardCarried, "discard_carried", Frame, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
-    StopTracking, "stop_tracking", Frame, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
-    StopSearch, "stop_search", Frame, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
-    SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that you place or drop moves to the painted corner, crossing or spot that it names, where that is certain. Hold Alt while releasing to keep it where it is.", [];
-    SnapSuggestions, "snap_suggestions", Edit, "Snap suggestions to the paint", "Refine the forest's proposals on the painted lines before you review them, wherever the lines are clear. Switching this asks the forest again.", [];
-    PictureLook, "picture_look", View, "Brightness and contrast…", "Brightness, contrast and gamma of the picture as you see it, kept between frames. Exports never change.", ["I"];
-    ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
-    ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
-    ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
-    ZoomToClick, "zoom_to_click", View, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
-    HideOverlay, "hide_overlay", View, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
-    OverlayStyle, "overlay_style", View, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
-    ShowMasks, "show_masks", View, "Masks", "Show the boxes that are excluded from feature detection, and draw new ones.", ["M"];
-    ShowFieldMap, "show_field_map", View, "Field map", "Show or hide the field map.", ["G"];
-    Compare, "compare", View, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, or the camera with other names.", ["B"];
-    Uncertainty, "uncertainty", View, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];
-    CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
-    TrainerPanel, "trainer_panel", View, "Trainer panel", "What the forest is trained on, how accurate it is, and where references are missing.", ["F3"];
-    PauseTrainer, "pause_trainer", Frame, "Pause the trainer", "Stop training and proposing in the background until you resume it.", [];
-    ShowFeatures, "show_features", View, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
-    ReviewPanel, "review_panel", View, "Review panel", "All proposals, by confidence, by disagreement between neighbours or by time.", ["F4"];
-    QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
-    CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
-    FindCamera, "find_camera", Camera, "Find the camera automatically", "Find the camera's position and the cameras of its frames from the pictures alone, without a click. Results are given only where they are certain, as suggestions. One step of undo.", [];
-    StopFindCamera, "stop_find_camera", Camera, "Stop finding the camera", "Stop the search for the camera, or dismiss the answers that it left to decide; nothing is changed.", [];
-    TryFirstCamera, "try_first_camera", Camera, "Try the first camera found", "Use the first of two cameras that explain the paint equally well. One step of undo.", [];
-    TryOtherCamera, "try_other_camera", Camera, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
-    EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
-    BaseOnPaint, "base_on_paint", Camera, "Use the painted lines for the base", "Also fit the base to the painted lines in the frames' pictures, then refine each frame on its lines. Takes longer: every picture is read twice.", [];
-    ShowForBase, "show_for_base", Camera, "Where to click for the base", "Go to the frame whose points would help this camera's base most: it looks where no frame with four landmarks does.", [];
-    UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
-    DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
-    StopSolving, "stop_solving", Camera, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];
-    UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "Exclude this frame's points from the estimation of the base, or include them again.", [];
-    LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
-    AssignToCamera, "assign_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
-    NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
-    KeepBurntIn, "keep_burnt_in", Camera, "Mask burned-in graphics", "Turn the score bugs, banners, watermarks and black boxes that were found into masks of the camera, each for the frames that show it. One step of undo.", [];
-    ChangeBurntIn, "change_burnt_in", Camera, "Edit burned-in graphics…", "Mask them and open the masks, to move, delete or add some.", [];
-    ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
-    FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];
-    ChooseSport, "choose_sport", Camera, "Sport and field…", "Choose the sport: soccer, basketball, ice hockey and others, each with its pitch, court or rink. Free until points are named.", [];
-    SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot. Shift-click or Ctrl-click on the filmstrip selects single frames.", [];
-    MarkGold, "mark_gold", Frame, "Gold frame", "Click this reference again later without seeing its label, to measure your click noise.", [];
-    ChooseGold, "choose_gold", Frame, "Choose gold frames", "Mark a few references as gold, spread over pan and landmarks. One step of undo.", [];
-    ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: click the points of the gold frames again, one after another, with labels and lines hidden. Labels stay as they are.", [];
-    SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "Skip a point that cannot be seen well enough and go on with the next.", ["Shift+S"];
-    UseOwnNoise, "use_own_noise", Frame, "Use my click noise", "Weight points by the click noise that your blind clicks show, instead of the usual one. One step of undo.", [];
-    UseUsualNoise, "use_usual_noise", Frame, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
-    Guide, "guide", Help, "User guide", "The guide, at the page of what is shown.", ["F1"];
-    StartTour, "start_tour", Help, "Take the tour", "Five steps on the demo match, each done by you: place two points, refine one, accept, decide (3 minutes).", [];
-    LeaveTour, "leave_tour", Help, "Leave the tour", "End the tour; what you labelled stays.", [];
-    Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
-    Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
-    Messages, "messages", Help, "Messages…", "Every message of this session, the latest first.", [];
-    DismissNotices, "dismiss_notices", Help, "Dismiss all messages", "Clear the row of messages; they stay in the list of messages.", [];
-    About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];
+    OpenProject, "open_project", File, Document, "Open project…", "Open a project folder, a project.json or a dataset file.", ["Ctrl+O"];
+    OpenFolder, "open_folder", File, Document, "Open folder of frames…", "Start a project from a folder of images, or continue it.", ["Ctrl+Shift+O"];
+    OpenVideo, "open_video", File, Document, "Open video…", "Start a project from a video, or continue it.", ["Ctrl+Alt+O"];
+    OpenDemo, "open_demo", File, Document, "Try the demo match", "Open a synthetic match and try the two-click method (2 minutes).", [];
+    Save, "save", File, Application, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
+    SaveAs, "save_as", File, Document, "Save a copy…", "Write the project to another folder; its paths keep pointing at the same files.", ["Ctrl+Shift+S"];
+    Import, "import", File, Document, "Import labels…", "Read clicks or cameras from another program, preview them, and merge them into this document. One step of undo.", [];
+    Export, "export", File, Document, "Export…", "Write the document in one of many formats; anything that a format cannot hold is listed first.", ["Ctrl+E"];
+    ExportDataset, "export_dataset", File, Document, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
+    Orphans, "orphans", File, Document, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
+    Quit, "quit", File, Application, "Quit", "Save and close the window.", ["Ctrl+Q"];
+    Undo, "undo", Edit, Application, "Undo", "Undo the last change. If it is on another frame, the first press goes to that frame.", ["Ctrl+Z"];
+    Redo, "redo", Edit, Document, "Redo", "Redo the last change that was undone.", ["Ctrl+Shift+Z", "Ctrl+Y"];
+    DeleteClick, "delete_click", Edit, Picture, "Delete point", "Delete the selected point.", ["Delete"];
+    RenameClick, "rename_click", Edit, Picture, "Name point…", "Give the selected point another name.", ["C"];
+    NameNext, "name_next", Edit, Picture, "Name the next point…", "Go to the first point of this frame that has no name, and name it.", [];
+    PlaceOnLine, "place_on_line", Edit, Picture, "Point on a line", "Mark the next or the selected point as lying on a line of the field, not on a landmark.", ["L"];
+    ToggleCheck, "toggle_check", Edit, Picture, "Check point", "Leave the selected point out of the solve and show its error instead.", ["K"];
+    NextClick, "next_click", Edit, Picture, "Next point", "Select the next point of this frame.", ["Tab"];
+    PreviousClick, "previous_click", Edit, Picture, "Previous point", "Select the previous point of this frame.", ["Shift+Tab"];
+    Cancel, "cancel", Edit, Application, "Cancel", "Cancel the current action, or deselect.", ["Escape"];
+    Preferences, "preferences", Edit, Application, "Preferences…", "Size of texts, panels, snapping, overlay, keys: what belongs to you and not to a project.", ["Ctrl+Comma"];
+    NextFrame, "next_frame", Frame, Document, "Next frame", "Go one frame forward; hold to play.", ["Period"];
+    PreviousFrame, "previous_frame", Frame, Document, "Previous frame", "Go one frame back.", ["Comma"];
+    NextTenFrames, "next_ten_frames", Frame, Document, "Ten frames forward", "Go ten frames forward.", ["Shift+Period"];
+    PreviousTenFrames, "previous_ten_frames", Frame, Document, "Ten frames back", "Go ten frames back.", ["Shift+Comma"];
+    NextNeedsMe, "next_needs_me", Frame, Document, "Next frame to do", "Go to the next frame that is neither accepted nor rejected; in the order of the list while the review panel is open.", ["N"];
+    PreviousNeedsMe, "previous_needs_me", Frame, Document, "Previous frame to do", "Go to the previous frame that is neither accepted nor rejected.", ["Shift+N"];
+    NextUnanswered, "next_unanswered", Frame, Document, "Where to label next", "Go to the frame whose label would help most frames without a confident proposal.", [];
+    FirstFrame, "first_frame", Frame, Document, "First frame", "Go to the first frame, number 0.", ["Home"];
+    LastFrame, "last_frame", Frame, Document, "Last frame", "Go to the last frame.", ["End"];
+    GoToPlace, "go_to_place", Frame, Document, "Go to frame or time…", "Type a frame's number or a time: 500 or 1:23.4.", ["Ctrl+G"];
+    PlayPause, "play_pause", Frame, Document, "Play or pause", "Play the video at its own rate, or at the speed beside the timeline.", ["P"];
+    NextShot, "next_shot", Frame, Document, "Next shot", "Go to the first frame of the next shot of this video.", ["PageDown"];
+    PreviousShot, "previous_shot", Frame, Document, "Previous shot", "Go to the first frame of this shot, or of the one before.", ["PageUp"];
+    FindShots, "find_shots", Frame, Document, "Find the cuts", "Look at every frame of this video for cuts between shots, in the background; shots marked before are replaced. One step of undo.", [];
+    StopShotSearch, "stop_shot_search", Frame, Document, "Stop looking for cuts", "Stop the search for cuts; nothing is changed.", [];
+    AddCut, "add_cut", Frame, Picture, "Cut before this frame", "Start a new shot at this frame and end the previous one before it. One step of undo.", [];
+    MoveCutHere, "move_cut_here", Frame, Picture, "Move the cut here", "Move the nearest cut to just before this frame, so that its shot starts here. One step of undo.", [];
+    RemoveCut, "remove_cut", Frame, Picture, "Join with previous shot", "Remove the cut before this shot and merge it with the previous one. One step of undo.", [];
+    NextReference, "next_reference", Frame, Document, "Next reference", "Go to the next accepted frame.", ["R"];
+    PreviousReference, "previous_reference", Frame, Document, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
+    Accept, "accept", Frame, Picture, "Accept and next", "Make this frame a reference and go to the next frame to do.", ["Enter"];
+    AcceptAndStay, "accept_and_stay", Frame, Picture, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
+    AcceptAnyway, "accept_anyway", Frame, Picture, "Accept although it looks wrong", "Make this frame a reference although something contradicts it. It is not used for training unless you say so.", [];
+    AcceptAllAbove, "accept_all_above", Frame, Picture, "Accept all above…", "Accept every suggestion above a confidence you choose, after a preview. One step of undo.", ["Ctrl+Enter"];
+    UseForTraining, "use_for_training", Frame, Picture, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
+    Reject, "reject", Frame, Picture, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
+    RejectShot, "reject_shot", Frame, Picture, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
+    Comment, "comment", Frame, Picture, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
+    MendNames, "mend_names", Frame, Picture, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
+    SwitchRoot, "switch_root", Frame, Picture, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
+    Snap, "snap", Frame, Picture, "Snap to the painted lines", "Refine pan, tilt and focal length on the painted lines of the picture, held by the points. Hold the key to see the camera before. One step of undo.", ["S"];
+    SearchLines, "search_lines", Frame, Picture, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. One step of undo.", [];
+    Track, "track", Frame, Picture, "Carry cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
+    DiscardCarried, "discard_carried", Frame, Picture, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
+    TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the carried frames ask for, where nobody has stated it. One step of undo.", [];
+    StopTracking, "stop_tracking", Frame, Picture, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
+    StopSearch, "stop_search", Frame, Picture, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
+    SnapPoints, "snap_points", Edit, Application, "Snap points to the paint", "A point that you place or drop moves to the painted corner, crossing or spot that it names, where that is certain. Hold Alt while releasing to keep it where it is.", [];
+    SnapSuggestions, "snap_suggestions", Edit, Application, "Snap suggestions to the paint", "Refine the forest's proposals on the painted lines before you review them, wherever the lines are clear. Switching this asks the forest again.", [];
+    PictureLook, "picture_look", View, Application, "Brightness and contrast…", "Brightness, contrast and gamma of the picture as you see it, kept between frames. Exports never change.", ["I"];
+    ZoomIn, "zoom_in", View, Zoom, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
+    ZoomOut, "zoom_out", View, Zoom, "Zoom out", "Show more of the picture.", ["Minus"];
+    ZoomToFit, "zoom_to_fit", View, Zoom, "Fit", "Show the whole picture.", ["F"];
+    ZoomToClick, "zoom_to_click", View, Picture, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
+    HideOverlay, "hide_overlay", View, Picture, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
+    OverlayStyle, "overlay_style", View, Picture, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
+    ShowMasks, "show_masks", View, Picture, "Masks", "Show the boxes that are excluded from feature detection, and draw new ones.", ["M"];
+    ShowFieldMap, "show_field_map", View, Picture, "Field map", "Show or hide the field map.", ["G"];
+    Compare, "compare", View, Picture, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, or the camera with other names.", ["B"];
+    Uncertainty, "uncertainty", View, Picture, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];
+    CameraPanel, "camera_panel", Camera, Document, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
+    TrainerPanel, "trainer_panel", View, Document, "Trainer panel", "What the forest is trained on, how accurate it is, and where references are missing.", ["F3"];
+    PauseTrainer, "pause_trainer", Frame, Application, "Pause the trainer", "Stop training and proposing in the background until you resume it.", [];
+    ShowFeatures, "show_features", View, Picture, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
+    ReviewPanel, "review_panel", View, Document, "Review panel", "All proposals, by confidence, by disagreement between neighbours or by time.", ["F4"];
+    QualityPage, "quality_page", View, Document, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
+    CompareAnnotators, "compare_annotators", View, Document, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
+    FindCamera, "find_camera", Camera, Picture, "Find the camera automatically", "Find the camera's position and the cameras of its frames from the pictures alone, without a click. Results are given only where they are certain, as suggestions. One step of undo.", [];
+    StopFindCamera, "stop_find_camera", Camera, Picture, "Stop finding the camera", "Stop the search for the camera, or dismiss the answers that it left to decide; nothing is changed.", [];
+    TryFirstCamera, "try_first_camera", Camera, Picture, "Try the first camera found", "Use the first of two cameras that explain the paint equally well. One step of undo.", [];
+    TryOtherCamera, "try_other_camera", Camera, Picture, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
+    EstimateBase, "estimate_base", Camera, Picture, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
+    BaseOnPaint, "base_on_paint", Camera, Application, "Use the painted lines for the base", "Also fit the base to the painted lines in the frames' pictures, then refine each frame on its lines. Takes longer: every picture is read twice.", [];
+    ShowForBase, "show_for_base", Camera, Picture, "Where to click for the base", "Go to the frame whose points would help this camera's base most: it looks where no frame with four landmarks does.", [];
+    UseEstimatedBase, "use_estimated_base", Camera, Picture, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
+    DropEstimatedBase, "drop_estimated_base", Camera, Picture, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
+    StopSolving, "stop_solving", Camera, Picture, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];
+    UseForBase, "use_for_base", Camera, Picture, "Leave this frame out of the base", "Exclude this frame's points from the estimation of the base, or include them again.", [];
+    LoadCamera, "load_camera", Camera, Document, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
+    AssignToCamera, "assign_to_camera", Camera, Picture, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
+    NewCameraFromChange, "new_camera_from_change", Camera, Picture, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
+    KeepBurntIn, "keep_burnt_in", Camera, Picture, "Mask burned-in graphics", "Turn the score bugs, banners, watermarks and black boxes that were found into masks of the camera, each for the frames that show it. One step of undo.", [];
+    ChangeBurntIn, "change_burnt_in", Camera, Picture, "Edit burned-in graphics…", "Mask them and open the masks, to move, delete or add some.", [];
+    ConfirmFieldSize, "confirm_field_size", Camera, Picture, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
+    FitFieldSize, "fit_field_size", Camera, Picture, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];
+    ChooseSport, "choose_sport", Camera, Document, "Sport and field…", "Choose the sport: soccer, basketball, ice hockey and others, each with its pitch, court or rink. Free until points are named.", [];
+    SelectShot, "select_shot", Frame, Picture, "Select this shot", "Select every frame of this shot. Shift-click or Ctrl-click on the filmstrip selects single frames.", [];
+    MarkGold, "mark_gold", Frame, Picture, "Gold frame", "Click this reference again later without seeing its label, to measure your click noise.", [];
+    ChooseGold, "choose_gold", Frame, Document, "Choose gold frames", "Mark a few references as gold, spread over pan and landmarks. One step of undo.", [];
+    ClickAgain, "click_again", Frame, Round, "Click gold frames again…", "A blind round: click the points of the gold frames again, one after another, with labels and lines hidden. Labels stay as they are.", [];
+    SkipAgain, "skip_again", Frame, Round, "Skip this point of the blind round", "Skip a point that cannot be seen well enough and go on with the next.", ["Shift+S"];
+    UseOwnNoise, "use_own_noise", Frame, Document, "Use my click noise", "Weight points by the click noise that your blind clicks show, instead of the usual one. One step of undo.", [];
+    UseUsualNoise, "use_usual_noise", Frame, Document, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
+    Guide, "guide", Help, Application, "User guide", "The guide, at the page of what is shown.", ["F1"];
+    StartTour, "start_tour", Help, Document, "Take the tour", "Five steps on the demo match, each done by you: place two points, refine one, accept, decide (3 minutes).", [];
+    LeaveTour, "leave_tour", Help, Document, "Leave the tour", "End the tour; what you labelled stays.", [];
+    Palette, "palette", Help, Application, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
+    Keys, "keys", Help, Application, "Keys", "Every command and its key; keys can be changed here.", ["?"];
+    Messages, "messages", Help, Application, "Messages…", "Every message of this session, the latest first.", [];
+    DismissNotices, "dismiss_notices", Help, Application, "Dismiss all messages", "Clear the row of messages; they stay in the list of messages.", [];
+    About, "about", Help, Application, "About", "Version, licence, citation and a diagnostic report.", [];
 }
 
 impl Command {
@@ -307,6 +300,12 @@ impl Command {
     #[must_use]
     pub fn group(self) -> MenuGroup {
         self.row().group
+    }
+
+    /// What it acts on.
+    #[must_use]
+    pub fn kind(self) -> CommandKind {
+        self.row().kind
     }
 
     /// The keys it has unless the user changes them.

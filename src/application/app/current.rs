@@ -1,8 +1,8 @@
 //! What follows from the document and the session for the frame that is shown: derived, never stored.
 
 use super::OpenProject;
-use super::base::WithProposal;
 use super::naming::{self, NamingScene, NeighbourClick, TakenName};
+use super::proposed_base::WithProposal;
 use super::review::disagrees;
 use super::session::{Mode, Naming, Session};
 use crate::scene::next_click::{NextClick, next_clicks};
@@ -92,7 +92,13 @@ pub(super) struct FreshSolve {
 
 impl Current {
     /// Derives what has changed since the last time: the shown frame, what is being placed, what is proposed.
-    pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session, fresh: Option<FreshSolve>) {
+    pub(super) fn refresh(
+        &mut self,
+        open: Option<&mut OpenProject>,
+        session: &Session,
+        fresh: Option<FreshSolve>,
+        proposed: Option<&Arc<EstimatedBase>>,
+    ) {
         let Some(open) = open else {
             *self = Self::default();
             return;
@@ -110,7 +116,6 @@ impl Current {
             self.preview = self.previewed(open, session.frame, trial.as_ref());
             self.basis.trial = trial;
         }
-        let proposed = session.base.proposed();
         let same = match (proposed, &self.basis.proposed) {
             (Some(now), Some(before)) => Arc::ptr_eq(now, before),
             (now, before) => now.is_none() && before.is_none(),
@@ -269,7 +274,9 @@ fn off_camera(frame: &Frame, field: &FieldModel, camera: &PtzCamera) -> Vec<Clic
 /// What is being placed or named, if it is on the picture and has a name to try.
 fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
     match &session.mode {
-        Mode::Placing(target) => Some(Trial { click: Click::new(target.clone(), session.hover?), replaced: None }),
+        Mode::Placing(target) => {
+            Some(Trial { click: Click::new(target.clone(), session.points.hover?), replaced: None })
+        }
         Mode::Naming(naming) => {
             let at = frame.clicks.get(naming.click)?.image;
             let chosen = naming.chosen().filter(|chosen| chosen.in_use.is_none())?;
@@ -402,7 +409,7 @@ mod tests {
     /// Whether the frame is solved anew by a refresh: a mark left in what was derived is gone then.
     fn derives(current: &mut Current, open: &mut OpenProject, session: &Session) -> bool {
         current.readiness.left_out = 99;
-        current.refresh(Some(open), session, None);
+        current.refresh(Some(open), session, None, None);
         current.readiness.left_out != 99
     }
 
@@ -411,9 +418,9 @@ mod tests {
         let (mut open, mut session, mut current) = (project(), Session::default(), Current::default());
         assert!(derives(&mut current, &mut open, &session));
         assert!(current.solved().is_some());
-        session.hover = Some(SIZE.centre());
-        session.fit_scale = 0.5;
-        session.selected = Some(1);
+        session.points.hover = Some(SIZE.centre());
+        session.picture.fit_scale = 0.5;
+        session.points.selected = Some(1);
         assert!(!derives(&mut current, &mut open, &session), "nothing that the frame's camera rests on has changed");
         open.document.frames[0].clicks[0].check = true;
         assert!(derives(&mut current, &mut open, &session));
@@ -423,16 +430,16 @@ mod tests {
     #[test]
     fn the_preview_follows_the_pointer_and_the_frame_stays_solved() {
         let (mut open, mut session, mut current) = (project(), Session::default(), Current::default());
-        current.refresh(Some(&mut open), &session, None);
+        current.refresh(Some(&mut open), &session, None, None);
         session.mode = Mode::Placing(Target::Landmark("centre_circle_left".into()));
-        session.hover = Some(image_of("centre_circle_left"));
+        session.points.hover = Some(image_of("centre_circle_left"));
         assert!(!derives(&mut current, &mut open, &session));
         let first = current.preview.unwrap().ptz();
-        session.hover = session.hover.map(|at| ImagePoint::new(at.x + 20.0, at.y));
+        session.points.hover = session.points.hover.map(|at| ImagePoint::new(at.x + 20.0, at.y));
         assert!(!derives(&mut current, &mut open, &session));
         assert_ne!(current.preview.unwrap().ptz(), first);
-        session.hover = None;
-        current.refresh(Some(&mut open), &session, None);
+        session.points.hover = None;
+        current.refresh(Some(&mut open), &session, None, None);
         assert!(current.preview.is_none());
     }
 
@@ -442,10 +449,10 @@ mod tests {
         let given = Err(CalibrationError::UnknownCamera { camera: "told".to_owned() });
         let fresh = |version| FreshSolve { frame: 0, version, result: given.clone() };
         let version = open.document.version();
-        current.refresh(Some(&mut open), &session, Some(fresh(version)));
+        current.refresh(Some(&mut open), &session, Some(fresh(version)), None);
         assert_eq!(current.solution.as_ref().and_then(|solution| solution.as_ref().err()), given.as_ref().err());
         open.document.frames[0].comment = Some("rain".to_owned());
-        current.refresh(Some(&mut open), &session, Some(fresh(version)));
+        current.refresh(Some(&mut open), &session, Some(fresh(version)), None);
         assert!(current.solved().is_some(), "the document has changed since");
     }
 

@@ -1,20 +1,17 @@
 //! Effects, which the outside carries out.
 
-use super::bulk::BulkOrder;
+use super::TrainerOrder;
 use super::operation::Job;
-use super::paint_orders::{PointSnapOrder, SnapOrder};
 use super::session::Question;
-use super::transfer::TransferOrder;
-use super::{BurntInSearch, ShotSearch, TrainerOrder};
 use std::path::PathBuf;
-use touchline_documents::document::{CameraId, Document, Edit, History};
+use touchline_documents::document::{Document, Edit, History};
 
 /// What the outside has to do; the shell passes it to `jobs` or to the window system.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Read a document, folder or video and report `Action::Opened`.
-    Open(PathBuf),
-    /// Read a field template of the user's own and report `Action::TemplateRead`.
+    /// Read a document and report `Action::Opened`.
+    Open(Opening),
+    /// Read a field template of the user's own and report `DiskReport::TemplateRead`.
     ReadTemplate {
         /// The document's file.
         of: PathBuf,
@@ -26,7 +23,7 @@ pub enum Effect {
     /// Append an edit to the journal.
     Journal {
         /// What changed.
-        edit: Edit,
+        edit: Box<Edit>,
         /// The document's revision with it.
         revision: u64,
     },
@@ -46,79 +43,31 @@ pub enum Effect {
     },
     /// Write the document although another program changed the file; that version is set aside.
     SaveOver,
-    /// Report what another program made of the document: `Action::Outside`.
+    /// Report what another program made of the document: `DiskReport::Outside`.
     ReadOutside,
-    /// Let go of the document, and open it as it is on disk.
-    Reopen(PathBuf),
-    /// Read edits that were set aside and report `Action::OrphanRead`.
-    ReadOrphan {
+    /// Do something with edits that were set aside.
+    Orphan {
         /// Their file.
-        orphan: PathBuf,
-    },
-    /// Write them as a document and report `Action::OrphanSaved`.
-    SaveOrphan {
-        /// Their file.
-        orphan: PathBuf,
-    },
-    /// Give their file another name and report `Action::OrphanPutAway`.
-    PutOrphanAway {
-        /// Their file.
-        orphan: PathBuf,
+        file: PathBuf,
+        /// What.
+        order: OrphanOrder,
     },
     /// Write a copy of the project into a folder.
     SaveCopy {
         /// The document.
-        document: Document,
+        document: Box<Document>,
         /// The folder that its relative paths start from.
         from: PathBuf,
         /// Where.
         folder: PathBuf,
     },
-    /// Export, write or import something, report `TransferAction::Progress` on the way and what came of it in the end.
-    Transfer(Box<TransferOrder>),
-    /// Nobody waits any more for an export or import.
-    CancelTransfer,
     /// Give up what is being opened.
     CancelOpening,
-    /// Open a fresh copy of the demo match.
-    OpenDemo,
-    /// Estimate the base of a camera and report `Action::BaseEstimated`.
-    EstimateBase {
-        /// The field's size is fitted as well.
-        with_size: bool,
-        /// The painted lines of the pictures take part.
-        with_paint: bool,
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        folder: PathBuf,
-        /// Which camera.
-        camera: CameraId,
-    },
-    /// Give up what is being estimated.
-    CancelEstimate,
     /// Run an operation and pass on what it reports as `Action::Report`.
     Start(Job),
-    /// Work a change out, report `Action::BulkProgress` on the way and `Action::BulkSolved` in the end.
-    SolveBulk(Box<BulkOrder>),
-    /// Give up the change that is being worked out.
-    CancelBulk,
-    /// Pull a frame's camera onto the painted lines, or search it by them; report `Action::SnapProgress` on the way and
-    /// `Action::Snapped` in the end.
-    Snap(Box<SnapOrder>),
-    /// Nobody waits any more for a snap or a search.
-    CancelSnap,
-    /// Look where the landmarks of clicks are painted and report `Action::PointsSnapped`.
-    SnapPoints(Box<PointSnapOrder>),
-    /// Look for the cuts of a video and report `VideoAction::ShotsFound`.
-    FindShots(Box<ShotSearch>),
-    /// Give up that search.
-    CancelShots,
-    /// Look for burned-in graphics and report `Action::BurntIn`.
-    FindBurntIn(Box<BurntInSearch>),
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
-    /// Read the first camera with a base from a document and report `Action::CameraLoaded`.
+    /// Read the first camera with a base from a document and report `DiskReport::CameraLoaded`.
     LoadCamera(PathBuf),
     /// Ask for a path.
     Ask(Question),
@@ -126,4 +75,26 @@ pub enum Effect {
     SaveSettings,
     /// Everything is on disk: close the window.
     Close,
+}
+
+/// What is opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// A document, folder or video.
+    Path(PathBuf),
+    /// A fresh copy of the demo match.
+    Demo,
+    /// The open document as it is on disk: this one is let go of first.
+    Again(PathBuf),
+}
+
+/// What is done with edits that were set aside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrphanOrder {
+    /// Read them and report them.
+    Read,
+    /// Write them as a document of their own.
+    Save,
+    /// Give their file another name: they are in the document.
+    PutAway,
 }

@@ -1,8 +1,7 @@
 //! The next step, as the status row shows it.
 
-use super::base::BaseWork;
 use super::progress::{ALL_DONE, missing_references};
-use super::session::{Mode, Snapping, reason_label};
+use super::session::{Mode, reason_label};
 use super::{App, Command};
 use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE};
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};
@@ -31,7 +30,7 @@ impl Guidance {
 /// What the user does next.
 #[must_use]
 pub fn next_step(app: &App) -> Guidance {
-    if let Some(opening) = &app.session.opening {
+    if let Some(opening) = &app.session.disk.opening {
         return Guidance::say(opening.clone());
     }
     if app.open().is_none() {
@@ -40,16 +39,8 @@ pub fn next_step(app: &App) -> Guidance {
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
-    if let Some(work) = app.session.bulk.as_ref().filter(|_| app.session.mode == Mode::Idle) {
-        return Guidance::say(work.describe()).offer("Stop", Command::StopSolving);
-    }
     if let Some(under_way) = app.operations.under_way().filter(|_| app.session.mode == Mode::Idle) {
         return Guidance::say(under_way.text).offer("Stop", under_way.stop);
-    }
-    if let Some(searching) = app.session.snapping.as_ref().and_then(Snapping::describe)
-        && app.session.mode == Mode::Idle
-    {
-        return Guidance::say(searching).offer("Stop", Command::StopSearch);
     }
     if app.session.quality.open {
         let key = app.settings.keys.shown(Command::QualityPage);
@@ -57,7 +48,9 @@ pub fn next_step(app: &App) -> Guidance {
     }
     begun(app)
         .or_else(|| estimated(app))
-        .or_else(|| app.session.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line.")))
+        .or_else(|| {
+            app.session.points.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line."))
+        })
         .or_else(|| other_picture(app))
         .or_else(|| unnamed(frame))
         .or_else(|| no_base(app, frame).filter(|_| frame.status == FrameStatus::Reference))
@@ -147,22 +140,18 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
 
 /// A base that is being estimated, or was found and waits for a decision.
 fn estimated(app: &App) -> Option<Guidance> {
-    match &app.session.base {
-        BaseWork::Estimating(work) => Some(Guidance::say(work.describe()).offer("Stop", Command::DropEstimatedBase)),
-        BaseWork::Proposed(_) => {
-            let proposal = app.current().proposal.as_ref();
-            let drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
-            Some(Guidance::say(match (proposal, app.current().base) {
-                (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
-                _ if !drawn => "This frame has no points to draw the estimated base with. Step to one that has.",
-                (_, Some(_)) => "Lines and numbers are those of the estimated base. Hold B for the current one.",
-                (_, None) => {
-                    "Lines and numbers are those of the estimated base. Step through the frames and check them."
-                }
-            }))
-        }
-        BaseWork::Idle | BaseWork::Applied(_) => None,
+    if let Some(under_way) = app.operations.base_under_way() {
+        return Some(Guidance::say(under_way.text).offer("Stop", under_way.stop));
     }
+    app.operations.proposed_base()?;
+    let proposal = app.current().proposal.as_ref();
+    let is_drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
+    Some(Guidance::say(match (proposal, app.current().base) {
+        (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
+        _ if !is_drawn => "This frame has no points to draw the estimated base with. Step to one that has.",
+        (_, Some(_)) => "Lines and numbers are those of the estimated base. Hold B for the current one.",
+        (_, None) => "Lines and numbers are those of the estimated base. Step through the frames and check them.",
+    }))
 }
 
 /// Until the base is known: what is still needed for it.
@@ -275,7 +264,7 @@ fn proposed(frame: &Frame) -> Option<SolutionSource> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Opened, Settings};
+    use crate::app::{Action, EditAction, Navigation, Opened, PointerAction, Settings};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
     use touchline_documents::document::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target};
@@ -306,9 +295,9 @@ mod tests {
     fn click(app: &mut App, landmark: &str, pointed: &PtzCamera) {
         let field = app.current().field().unwrap().clone();
         let at = pointed.image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap();
-        app.update(Action::Pick(Target::Landmark(landmark.into())));
-        app.update(Action::Press { at, on: None });
-        app.update(Action::Release);
+        app.update(Action::Edit(EditAction::Pick(Target::Landmark(landmark.into()))));
+        app.update(Action::Pointer(PointerAction::Press { at, on: None }));
+        app.update(Action::Pointer(PointerAction::Release));
     }
 
     fn said(app: &App) -> String {
@@ -330,8 +319,8 @@ mod tests {
         assert_eq!(said(&app), "Reference saved. 2 more, spread left to right, and proposals become useful.");
         app.update(Action::Command(Command::Reject));
         assert!(said(&app).starts_with("Why is this frame not calibratable?"));
-        app.update(Action::RejectAs(RejectReason::Blur));
-        app.update(Action::GoTo(0));
+        app.update(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
+        app.update(Action::Navigate(Navigation::GoTo(0)));
         assert_eq!(said(&app), "Not calibratable: blur. X removes the mark, N goes on.");
     }
 
@@ -353,22 +342,22 @@ mod tests {
     #[test]
     fn an_unnamed_point_comes_before_anything_else() {
         let mut app = opened(true, 1);
-        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
+        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(300.0, 400.0), on: None }));
         assert!(said(&app).starts_with("Release the button"));
-        app.update(Action::Release);
+        app.update(Action::Pointer(PointerAction::Release));
         assert!(said(&app).starts_with("What is it?"), "{}", said(&app));
-        app.update(Action::TypeName("zzz".to_owned()));
+        app.update(Action::Navigate(Navigation::TypeName("zzz".to_owned())));
         assert!(said(&app).starts_with("Nothing matches “zzz”."));
         app.session.mode = Mode::Idle;
         assert!(said(&app).starts_with("Point 1 has no name"));
         // The point that it speaks of is the one that is named, whichever is selected.
-        app.update(Action::Press { at: ImagePoint::new(600.0, 300.0), on: None });
-        app.update(Action::Release);
+        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(600.0, 300.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Release));
         app.session.mode = Mode::Idle;
-        app.session.selected = Some(1);
+        app.session.points.selected = Some(1);
         let (_, offered) = next_step(&app).offers[0];
         app.update(Action::Command(offered));
-        assert_eq!(app.session.selected, Some(0));
+        assert_eq!(app.session.points.selected, Some(0));
         assert!(matches!(&app.session.mode, Mode::Naming(naming) if naming.click == 0));
     }
 

@@ -5,10 +5,6 @@
 //! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as plain data.
 
 mod action;
-mod action_kind;
-pub mod base;
-mod bulk;
-mod burnt_in;
 pub mod camera_text;
 mod choices;
 mod command;
@@ -29,12 +25,11 @@ mod open_project;
 mod opened;
 pub mod operation;
 pub mod operations;
-mod paint_orders;
 pub mod place;
 pub mod playing;
-mod point_snaps;
 mod prepared;
 mod progress;
+mod proposed_base;
 pub mod quality;
 pub mod reclick;
 pub mod review;
@@ -43,49 +38,42 @@ pub mod selection;
 mod sentence;
 pub mod session;
 pub mod settings;
-mod shot_search;
 mod shown;
 pub mod synonyms;
 pub mod tour;
 mod trainer;
-pub mod transfer;
 mod update;
 mod versioned;
 pub mod video;
 pub mod where_to_label;
 
-pub use action::Action;
-pub use action_kind::ActionKind;
-pub use bulk::{BulkFailure, BulkOrder, BulkWork};
-pub use burnt_in::BurntInSearch;
+pub use action::{Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction};
 pub use choices::{CameraChoice, MaskList, MaskScope};
 pub use command::Command;
 pub use command_kind::CommandKind;
 pub use current::Current;
 pub use derived::{FrameCounts, GoldWork};
-pub use effect::Effect;
+pub use effect::{Effect, Opening, OrphanOrder};
 pub use keymap::{Chord, ChordError, Keymap};
 pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;
 pub use opened::{Opened, OutsideChoice};
-pub use operations::PaintSays;
-pub use paint_orders::{PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
+pub use operations::{PaintSays, transfer};
+pub use proposed_base::WithProposal;
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, WindowPlace};
-pub use shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch};
 pub use shown::Shown;
 pub use trainer::{
-    Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference, describe_left,
+    Doing, ForestFacts, Share, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference,
+    describe_left,
 };
 pub use update::MAX_SCALE;
 pub use versioned::Versioned;
-pub use video::VideoAction;
 
 use current::FreshSolve;
 use operation::{Report, RequestId};
 use operations::Operations;
-use point_snaps::PointSnaps;
 use quality::Quality;
 use review::{AcceptSheet, Review};
 use session::Session;
@@ -112,13 +100,8 @@ pub struct App {
     quality: Quality,
     /// Tells the time of what people do; none: it is not written down.
     clock: Option<fn() -> jiff::Timestamp>,
-    point_snaps: PointSnaps,
-    /// How many changes have been worked out in the background.
-    bulk_tickets: u64,
     /// A tour begins once the demo is open.
     tour_waits: bool,
-    /// How many searches for cuts there were.
-    shot_tickets: u64,
     /// The last request of an operation.
     last_request: RequestId,
     /// Results that wait for the end of what the user is doing.

@@ -36,6 +36,37 @@ pub enum Level {
     Error,
 }
 
+/// The messages.
+#[derive(Debug, Default)]
+pub struct Messages {
+    /// Messages that nobody has answered or dismissed, the latest last.
+    pub notices: Vec<Notice>,
+    /// Every message that was shown, the latest last; the oldest go.
+    pub log: Vec<(Level, String)>,
+    last_id: u64,
+}
+
+impl Messages {
+    /// Shows a message; one that says the same is replaced.
+    pub(super) fn show(&mut self, level: Level, text: String, offers: Vec<(&'static str, Command)>) {
+        /// At most this many wait: then the oldest that only informs goes.
+        const WAITING: usize = 20;
+        /// At most this many are remembered.
+        const REMEMBERED: usize = 200;
+        if self.log.len() >= REMEMBERED {
+            self.log.remove(0);
+        }
+        self.log.push((level, text.clone()));
+        self.notices.retain(|notice| notice.text != text);
+        self.last_id += 1;
+        self.notices.push(Notice { id: self.last_id, level, text, offers });
+        if self.notices.len() > WAITING {
+            let gone = self.notices.iter().position(|notice| notice.level == Level::Info).unwrap_or(0);
+            self.notices.remove(gone);
+        }
+    }
+}
+
 /// The message that stands in the row: the latest. A question stands before warnings that came after it, as nothing else would
 /// bring it back; information leaves by itself, and what failed is said at once.
 #[must_use]

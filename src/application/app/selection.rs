@@ -54,7 +54,7 @@ pub(super) fn after_click(open: &OpenProject, session: &Session, frame: usize, h
 mod tests {
     use super::*;
     use crate::app::session::Filter;
-    use crate::app::{Action, App, Opened, Settings};
+    use crate::app::{Action, App, Navigation, Opened, Settings, ViewAction};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, Clip, Document, FieldSpec, FrameStatus};
 
@@ -80,27 +80,27 @@ mod tests {
     #[test]
     fn shift_takes_a_range_and_ctrl_one_more_or_less() {
         let mut app = app();
-        app.update(Action::GoTo(1));
-        app.update(Action::SelectFrame { frame: 4, how: Selecting::Range });
+        app.update(Action::Navigate(Navigation::GoTo(1)));
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 4, how: Selecting::Range }));
         assert_eq!(selected(&app), [1, 2, 3, 4]);
-        app.update(Action::SelectFrame { frame: 2, how: Selecting::Toggle });
-        app.update(Action::SelectFrame { frame: 6, how: Selecting::Toggle });
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 2, how: Selecting::Toggle }));
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 6, how: Selecting::Toggle }));
         assert_eq!(selected(&app), [1, 3, 4, 6]);
-        app.update(Action::SelectFrame { frame: 0, how: Selecting::Range });
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 0, how: Selecting::Range }));
         assert_eq!(selected(&app), [0, 1]);
-        app.update(Action::SelectFrame { frame: 0, how: Selecting::Toggle });
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 0, how: Selecting::Toggle }));
         assert!(selected(&app).is_empty(), "a lone frame is no selection");
-        app.update(Action::SetFilter(Filter::ToDo));
-        app.update(Action::SelectFrame { frame: 4, how: Selecting::Range });
+        app.update(Action::View(ViewAction::SetFilter(Filter::ToDo)));
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 4, how: Selecting::Range }));
         assert_eq!(selected(&app), [1, 2, 4], "what the filter hides is not meant");
-        app.update(Action::SelectFrame { frame: 99, how: Selecting::Toggle });
+        app.update(Action::Navigate(Navigation::SelectFrame { frame: 99, how: Selecting::Toggle }));
         assert_eq!(selected(&app), [1, 2, 4]);
     }
 
     #[test]
     fn a_scope_names_its_frames() {
         let mut app = app();
-        app.update(Action::GoTo(5));
+        app.update(Action::Navigate(Navigation::GoTo(5)));
         let frames = |scope: Scope| scope.frames(app.open().unwrap(), &app.session);
         assert_eq!(Scope::ALL.map(frames), [vec![5], vec![], vec![5, 6, 7], vec![5, 6, 7]]);
     }

@@ -3,24 +3,19 @@
 pub use super::dialog::{Dialog, Leaving, Question, SidePanel};
 pub use super::filter::{Filter, is_to_do, status_label};
 pub use super::mode::{Mode, Naming, OFFERED};
-pub use super::notice::{Level, Notice, in_row};
+pub use super::notice::{Level, Messages, Notice, in_row};
 
-use super::base::BaseWork;
-use super::bulk::BulkWork;
 use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
 use super::tour::Tour;
-use super::transfer::Transfer;
 use super::video::VideoState;
 use super::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use touchline_calibration::proposals::FoundMask;
-use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{Frame, FrameId, RejectReason, Shared};
+use touchline_documents::document::{FrameId, RejectReason};
 use touchline_documents::store::Orphan;
 
 /// What the window shows and what has been begun.
@@ -30,18 +25,8 @@ pub struct Session {
     pub frame: usize,
     /// The frames selected on the filmstrip: none, or at least two.
     pub frames_selected: BTreeSet<usize>,
-    /// The selected click of the current frame.
-    pub selected: Option<usize>,
     /// What has been begun.
     pub mode: Mode,
-    /// Where the pointer is over the picture, px of the picture.
-    pub hover: Option<ImagePoint>,
-    /// The click that was just placed and named without asking, until something else is done.
-    pub named_unasked: Option<usize>,
-    /// The clicks of the shown frame that were just moved onto the paint, until something else is done.
-    pub just_snapped: Vec<usize>,
-    /// The next click is a point on a line.
-    pub next_on_line: bool,
     /// Which frames the filmstrip shows.
     pub filter: Filter,
     /// What the right-hand side shows.
@@ -52,34 +37,67 @@ pub struct Session {
     pub guide_page: GuidePage,
     /// The sport that the name of the pictures speaks of, while it is asked for.
     pub sport_guess: Option<&'static str>,
-    /// How the picture is shown; kept from frame to frame.
-    pub view: PictureView,
-    /// Commands that act while their key is down.
-    pub held: Held,
-    /// How the uncertainty is shown.
-    pub uncertainty: UncertaintyView,
-    /// The masks are shown and can be drawn.
-    pub masks: bool,
     /// What was chosen in the review panel.
     pub review: ReviewChoice,
     /// Suggestions that a person took out of those that are accepted together.
     pub unticked: BTreeSet<FrameId>,
     /// What was chosen on the quality page, and whether it takes the window.
     pub quality: QualityChoice,
-    /// Messages that nobody has answered or dismissed, the latest last.
-    pub notices: Vec<Notice>,
-    /// Every message that was shown, the latest last; the oldest go.
-    pub told: Vec<(Level, String)>,
+    /// What the background trainer is doing.
+    pub trainer: TrainerState,
+    /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
+    pub doubted: Option<Doubted>,
+    /// What is done with the video of the shown frame.
+    pub video: VideoState,
+    /// The tour on the demo match, while it lasts.
+    pub tour: Option<Tour>,
+    /// The messages.
+    pub messages: Messages,
+    /// The points of the shown frame: which is selected, which were just placed.
+    pub points: PointState,
+    /// How the picture is shown.
+    pub picture: PictureDisplay,
+    /// How far what was done is on disk, and what waits for that.
+    pub disk: DiskState,
+}
+
+/// The points of the shown frame.
+#[derive(Debug, Default)]
+pub struct PointState {
+    /// The selected click of the current frame.
+    pub selected: Option<usize>,
+    /// Where the pointer is over the picture, px of the picture.
+    pub hover: Option<ImagePoint>,
+    /// The click that was just placed and named without asking, until something else is done.
+    pub named_unasked: Option<usize>,
+    /// The clicks of the shown frame that were just moved onto the paint, until something else is done.
+    pub just_snapped: Vec<usize>,
+    /// The next click is a point on a line.
+    pub next_on_line: bool,
+}
+
+/// How the picture is shown; kept from frame to frame.
+#[derive(Debug, Default)]
+pub struct PictureDisplay {
+    /// How the picture is shown; kept from frame to frame.
+    pub view: PictureView,
+    /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
+    pub fit_scale: f64,
+    /// Commands that act while their key is down.
+    pub held: Held,
+    /// How the uncertainty is shown.
+    pub uncertainty: UncertaintyView,
+    /// The masks are shown and can be drawn.
+    pub masks: bool,
+}
+
+/// How far what was done is on disk, and what waits for that.
+#[derive(Debug, Default)]
+pub struct DiskState {
     /// How far what was done is on disk.
     pub saving: Saving,
     /// How often the document was asked to be written.
     pub save_requests: u64,
-    /// What is being done about the camera's base.
-    pub base: BaseWork,
-    /// A change after which many frames are solved again, while it is worked out.
-    pub bulk: Option<BulkWork>,
-    /// What the background trainer is doing.
-    pub trainer: TrainerState,
     /// A document is being read.
     pub opening: Option<String>,
     /// What is done once everything is on disk and nobody else has changed the document.
@@ -92,47 +110,6 @@ pub struct Session {
     pub copies: Copies,
     /// Edits of another version of the document that were set aside.
     pub orphans: Vec<Orphan>,
-    /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
-    pub fit_scale: f64,
-    /// The frame whose camera is being pulled onto the painted lines.
-    pub snapping: Option<Snapping>,
-    /// How many snaps have been asked for.
-    pub snap_tickets: u64,
-    /// The cameras of frames before they were snapped.
-    pub before_snap: BTreeMap<FrameId, PtzCamera>,
-    /// Graphics that look burned into the pictures, until somebody decides about them.
-    pub burnt_in: Vec<FoundMask>,
-    /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
-    pub doubted: Option<Doubted>,
-    /// What is done with the video of the shown frame.
-    pub video: VideoState,
-    /// The tour on the demo match, while it lasts.
-    pub tour: Option<Tour>,
-    /// What was chosen for exports and imports, and what is under way.
-    pub transfer: Transfer,
-    next_notice: u64,
-}
-
-/// A frame whose camera is being pulled onto the painted lines.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Snapping {
-    /// Which order.
-    pub ticket: u64,
-    /// The frame as it was then.
-    pub frame: Shared<Frame>,
-    /// Whether its camera is searched by the lines alone.
-    pub from_nothing: bool,
-    /// How far a search has come, from 0 to 1; none before it says so.
-    pub progress: Option<f64>,
-}
-
-impl Snapping {
-    /// What is being searched for, in one sentence; none for a snap, which is over at once.
-    #[must_use]
-    pub fn describe(&self) -> Option<String> {
-        let far = self.progress.map(|share| format!(": {:.0} %", 100.0 * share)).unwrap_or_default();
-        self.from_nothing.then(|| format!("Searching the painted lines of {}{far}…", self.frame.name()))
-    }
 }
 
 /// A frame that was to be accepted although its verdict is wrong.
@@ -219,8 +196,8 @@ pub enum Saving {
 impl Session {
     /// Something else is done: what was said of the points that were just placed goes.
     pub fn forget_placed(&mut self) {
-        self.named_unasked = None;
-        self.just_snapped.clear();
+        self.points.named_unasked = None;
+        self.points.just_snapped.clear();
     }
 
     /// Shows a message; one that says the same is replaced.
@@ -228,39 +205,24 @@ impl Session {
         self.notify_with(level, text, []);
     }
 
-    /// Shows a message with ways out.
+    /// Shows a message with commands that it offers.
     pub fn notify_with(
         &mut self,
         level: Level,
         text: impl Into<String>,
         offers: impl IntoIterator<Item = (&'static str, Command)>,
     ) {
-        /// So many wait at most: then the oldest that only informs goes.
-        const WAITING: usize = 20;
-        /// So many are remembered.
-        const REMEMBERED: usize = 200;
-        let text = text.into();
-        if self.told.len() >= REMEMBERED {
-            self.told.remove(0);
-        }
-        self.told.push((level, text.clone()));
-        self.notices.retain(|notice| notice.text != text);
-        self.next_notice += 1;
-        self.notices.push(Notice { id: self.next_notice, level, text, offers: offers.into_iter().collect() });
-        if self.notices.len() > WAITING {
-            let gone = self.notices.iter().position(|notice| notice.level == Level::Info).unwrap_or(0);
-            self.notices.remove(gone);
-        }
+        self.messages.show(level, text.into(), offers.into_iter().collect());
     }
 
     /// Whether a message offers a command.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
-        self.notices.iter().any(|notice| notice.offers(command))
+        self.messages.notices.iter().any(|notice| notice.offers(command))
     }
 
     /// Takes back the messages that offer a command: it has been done, or makes no sense any more.
     pub fn retract(&mut self, command: Command) {
-        self.notices.retain(|notice| !notice.offers(command));
+        self.messages.notices.retain(|notice| !notice.offers(command));
     }
 }

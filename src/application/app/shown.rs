@@ -43,7 +43,7 @@ impl App {
     /// Whether an estimated base of the shown frame's camera waits for a decision.
     #[must_use]
     pub fn decides_about_base(&self) -> bool {
-        let proposed = self.session.base.proposed();
+        let proposed = self.operations.proposed_base();
         proposed.zip(self.frame()).is_some_and(|(found, frame)| found.camera == frame.camera)
     }
 
@@ -51,7 +51,7 @@ impl App {
     #[must_use]
     pub fn shown(&self) -> Shown<'_> {
         let current = self.current();
-        match current.proposal.as_ref().filter(|_| !self.session.held.compare) {
+        match current.proposal.as_ref().filter(|_| !self.session.picture.held.compare) {
             Some(proposal) => Shown {
                 base: Some(proposal.base),
                 camera: proposal.camera,

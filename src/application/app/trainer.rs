@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 use std::time::Duration;
-use touchline_calibration::proposals::{Coverage, Quality, Suspect, TrainingSampleError, UsedFeatures};
+use touchline_calibration::proposals::{
+    CarriedProposal, Coverage, Proposal, Quality, Suspect, TrainingSampleError, UsedFeatures,
+};
 use touchline_documents::document::{Document, FrameId};
 
 /// What the app knows of the trainer.
@@ -209,6 +211,24 @@ pub fn describe_left(left: Duration) -> String {
         seconds @ 90..=5_399 => format!("about {}\u{a0}min left", seconds.div_ceil(60)),
         seconds => format!("about {:.1}\u{a0}h left", seconds as f64 / 3600.0),
     }
+}
+
+/// A report of the trainer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrainerReport {
+    /// What it is doing and has found out, when that changed.
+    Status(Box<TrainerStatus>),
+    /// What the forest proposes.
+    Proposals(Vec<Proposal>),
+    /// Cameras carried from key frames of a video to those between them.
+    Carried(Vec<CarriedProposal>),
+    /// How the forest used the shown frame's features.
+    Features(Box<UsedFeatures>),
+    /// An internal error stopped it; there is no trainer any more.
+    Broken {
+        /// The panic's message.
+        message: String,
+    },
 }
 
 #[cfg(test)]

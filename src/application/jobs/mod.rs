@@ -23,7 +23,6 @@ mod frame_orders;
 mod frame_worker;
 mod opening;
 mod panicked;
-mod picture_tasks;
 mod pictures;
 mod queue;
 mod runner;
@@ -49,7 +48,7 @@ pub use saver::{Revision, Saver, SaverOptions, SaverReport};
 pub use settings_file::{SettingsError, load_settings, save_settings, settings_path};
 pub use shared_pictures::SharedPictures;
 pub use thumbnails::{ThumbnailReport, Thumbnails};
-pub use trainer::{Trainer, TrainerOptions, TrainerReport};
+pub use trainer::{Trainer, TrainerOptions};
 
 use self::panicked::panic_message;
 use std::sync::Arc;

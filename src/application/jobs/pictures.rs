@@ -2,7 +2,7 @@
 
 use super::{Decoder, DecoderOptions, DecoderReport, FrameState, SharedPictures, ThumbnailReport, Thumbnails, Wake};
 use crate::app::session::Level;
-use crate::app::{Action, App, OpenProject, VideoAction};
+use crate::app::{Action, App, OpenProject, ViewAction};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
@@ -110,10 +110,12 @@ impl Pictures {
         let mut news = PictureNews::default();
         for report in self.decoder.poll() {
             match report {
-                DecoderReport::Notice(notice) => news.actions.push(Action::Notify(Level::Warning, notice.to_string())),
+                DecoderReport::Notice(notice) => {
+                    news.actions.push(Action::View(ViewAction::Notify(Level::Warning, notice.to_string())));
+                }
                 DecoderReport::Panicked { frame, message } => {
                     let text = format!("{frame}: internal error (please report it): {message}");
-                    news.actions.push(Action::Notify(Level::Error, text));
+                    news.actions.push(Action::View(ViewAction::Notify(Level::Error, text)));
                 }
                 DecoderReport::Broken { message } => news.actions.push(broke_down("frames", &message)),
                 DecoderReport::Ready { .. } | DecoderReport::Failed { .. } | DecoderReport::Counting(_) => {}
@@ -135,7 +137,7 @@ impl Pictures {
         self.ask(app.open(), app.session.frame);
         let awaited = matches!(self.state, PictureState::Loading);
         if awaited != app.session.video.picture_awaited {
-            news.actions.push(Action::Video(VideoAction::PictureAwaited(awaited)));
+            news.actions.push(Action::PictureAwaited(awaited));
         }
         news
     }
@@ -202,7 +204,7 @@ impl Pictures {
 /// What the user is told when no more pictures of a kind can be had.
 fn broke_down(what: &str, message: &str) -> Action {
     let text = format!("There are no further {what}: internal error (please report it): {message}");
-    Action::Notify(Level::Error, text)
+    Action::View(ViewAction::Notify(Level::Error, text))
 }
 
 /// Where a frame's pixels come from.

@@ -1,17 +1,14 @@
 //! Carries out what the application asks for, in the background.
 
-use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{base_with_paint, burnt_in, points_snapped, shots_found, snapped, transferred};
-use super::tasks::{camera_with_base, estimate, save_copy};
+use super::opening::{Ready, open_anything};
+use super::tasks::{camera_with_base, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
-    TrainerOptions, TrainerReport, Wake, demo,
+    TrainerOptions, Wake, demo,
 };
-use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
-use crate::app::transfer::TransferAction;
-use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction};
+use crate::app::{Action, DiskReport, Effect, Opening, OrphanOrder, Question, ViewAction};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -39,20 +36,6 @@ enum Outcome {
 enum Kind {
     /// It opens a document.
     Opening,
-    /// It estimates a base.
-    Estimate,
-    /// It works a change out; the change's ticket.
-    Bulk(u64),
-    /// It looks for burned-in graphics.
-    BurntIn,
-    /// It looks for cuts; the search's ticket.
-    Shots(u64),
-    /// It snaps a frame; the order's ticket.
-    Snap(u64),
-    /// It looks where clicks are painted; the order's ticket.
-    SnapPoints(u64),
-    /// It exports or imports; the order's ticket.
-    Transfer(u64),
     /// It reads what concerns the open document alone.
     Beside,
     /// Anything that runs to its end.
@@ -135,77 +118,14 @@ impl Runner {
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
             Effect::Start(job) => self.start(job),
-            Effect::Open(path) => self.open("open", move |_| Ok(path)),
-            Effect::OpenDemo => self.open("open the demo", demo::fresh_copy),
-            Effect::Reopen(path) => {
-                // What is not written stays in the journal, and is found again there.
-                let last = self.close();
-                self.reports.extend(last);
-                self.open("open again", move |_| Ok(path));
-            }
+            Effect::Open(opening) => self.open(opening),
             Effect::ReadTemplate { of, folder, name } => self.begin("field template", Kind::Other, move |_| {
                 let template = template_named(&name, &folder).map(Box::new);
-                Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
+                Ok(Outcome::Action(Action::Disk(DiskReport::TemplateRead { of, name, template })))
             }),
             Effect::CancelOpening => {
                 self.give_up(|kind| kind == Kind::Opening);
                 self.ready = None;
-            }
-            Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
-                let pictures = self.pictures.clone();
-                self.begin("base", Kind::Estimate, move |watch| {
-                    let tell = |progress| watch.tell(Action::BaseProgress(progress));
-                    let adjusting = |progress| tell(EstimateProgress::Adjusting(progress));
-                    let document = document.at(&folder);
-                    let found = if with_paint {
-                        let looking = |pictures| tell(EstimateProgress::Looking { pictures });
-                        base_with_paint(document, (&camera, with_size), pictures, &adjusting, &looking)
-                    } else {
-                        estimate(document, &camera, with_size, &adjusting).map_err(EstimateFailure::Impossible)
-                    };
-                    Ok(Outcome::Action(Action::BaseEstimated(found)))
-                });
-            }
-            Effect::CancelEstimate => self.give_up(|kind| kind == Kind::Estimate),
-            Effect::SolveBulk(order) => {
-                let BulkOrder { ticket, work } = *order;
-                self.begin("solving", Kind::Bulk(ticket), move |watch| {
-                    let solved = work.run(&|progress| watch.tell(Action::BulkProgress { ticket, progress }));
-                    let solved = solved.map(Box::new).map_err(BulkFailure::Impossible);
-                    Ok(Outcome::Action(Action::BulkSolved { ticket, solved }))
-                });
-            }
-            Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
-            Effect::FindBurntIn(search) => {
-                self.give_up(|kind| kind == Kind::BurntIn);
-                let pictures = self.pictures.clone();
-                self.begin("burned-in graphics", Kind::BurntIn, move |watch| {
-                    Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
-                });
-            }
-            Effect::FindShots(search) => {
-                self.give_up(|kind| matches!(kind, Kind::Shots(_)));
-                let pictures = self.pictures.clone();
-                self.begin("shots", Kind::Shots(search.ticket), move |watch| {
-                    Ok(Outcome::Action(shots_found(&search, &pictures, &|action| watch.tell(action))))
-                });
-            }
-            Effect::CancelShots => self.give_up(|kind| matches!(kind, Kind::Shots(_))),
-            Effect::Snap(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("snap", Kind::Snap(order.ticket), move |watch| {
-                    let ticket = order.ticket;
-                    Ok(Outcome::Action(snapped(&order, pictures, &|share| {
-                        watch.tell(Action::SnapProgress { ticket, share })
-                    })))
-                });
-            }
-            Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
-            Effect::SnapPoints(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("snap points", Kind::SnapPoints(order.ticket), move |_| {
-                    Ok(Outcome::Action(points_snapped(&order, pictures)))
-                });
             }
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
@@ -213,8 +133,10 @@ impl Runner {
                 }
             }
             Effect::Journal { edit, revision } => match &self.saver {
-                Some(saver) => saver.edit(edit, revision),
-                None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
+                Some(saver) => saver.edit(*edit, revision),
+                None => {
+                    self.reports.push(Action::Disk(DiskReport::SaveFailed("nothing is open for writing".to_owned())));
+                }
             },
             Effect::JournalWhole { document, history, revision } => {
                 self.tell_saver(|saver| saver.whole(*document, *history, revision));
@@ -222,31 +144,14 @@ impl Runner {
             Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
             Effect::SaveOver => self.tell_saver(Saver::save_over),
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
-            Effect::ReadOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
-                let edits = Box::new(read_orphan(location, &orphan)?);
-                Ok(Action::OrphanRead { orphan, edits })
-            }),
-            Effect::SaveOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
-                Ok(Action::OrphanSaved { document: save_orphan(location, &orphan)? })
-            }),
-            Effect::PutOrphanAway { orphan } => self.begin_beside("edits set aside", move |location| {
-                let renamed = put_orphan_away(location, &orphan)?;
-                Ok(Action::OrphanPutAway { orphan, renamed })
-            }),
+            Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
             Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
                 save_copy(document.at(&from), &folder)?;
-                Ok(Outcome::Action(Action::Copied(folder)))
+                Ok(Outcome::Action(Action::Disk(DiskReport::Copied(folder))))
             }),
-            Effect::Transfer(order) => {
-                self.give_up(|kind| matches!(kind, Kind::Transfer(_)));
-                let pictures = self.pictures.clone();
-                self.begin("export and import", Kind::Transfer(order.ticket), move |watch| {
-                    Ok(Outcome::Action(transferred(*order, pictures, &mut |action| watch.tell(action))))
-                });
-            }
-            Effect::CancelTransfer => self.give_up(|kind| matches!(kind, Kind::Transfer(_))),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
-                camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
+                camera_with_base(&path)
+                    .map(|camera| Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera)))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),
@@ -271,32 +176,16 @@ impl Runner {
                         actions.push(action);
                     }
                     BackgroundReport::Done(Err(JobError::AlreadyOpen { file })) => {
-                        actions.push(Action::AlreadyOpen(file));
+                        actions.push(Action::Disk(DiskReport::AlreadyOpen(file)));
                     }
-                    BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
-                    BackgroundReport::Panicked(message) => actions.push(match task.kind {
-                        Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
-                        Kind::Bulk(ticket) => {
-                            Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
-                        }
-                        Kind::Shots(ticket) => Action::Video(VideoAction::ShotsFound {
-                            ticket,
-                            found: Err(ShotFailure::Panicked { message }),
-                        }),
-                        Kind::Snap(ticket) => {
-                            Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
-                        }
-                        Kind::SnapPoints(ticket) => {
-                            Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }
-                        }
-                        Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
-                            ticket,
-                            result: Err(format!("Internal error (please report it): {message}")),
-                        }),
-                        Kind::Opening | Kind::BurntIn | Kind::Beside | Kind::Other => {
-                            Action::Failed(format!("internal error (please report it): {message}"))
-                        }
-                    }),
+                    BackgroundReport::Done(Err(error)) => {
+                        actions.push(Action::Disk(DiskReport::Failed(error.to_string())));
+                    }
+                    BackgroundReport::Panicked(message) => {
+                        actions.push(Action::Disk(DiskReport::Failed(format!(
+                            "internal error (please report it): {message}"
+                        ))));
+                    }
                 }
             }
         }
@@ -305,16 +194,7 @@ impl Runner {
             (self.wake)();
         }
         let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
-        actions.extend(reports.into_iter().map(|report| match report {
-            TrainerReport::Status(status) => Action::Trainer(status),
-            TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
-            TrainerReport::Carried(carried) => Action::CarriedProposals(carried),
-            TrainerReport::Features(used) => Action::Features(used),
-            TrainerReport::Broken { message } => {
-                let text = format!("The trainer stopped: internal error (please report it): {message}");
-                Action::Notify(Level::Error, text)
-            }
-        }));
+        actions.extend(reports.into_iter().map(Action::Trainer));
         let reports = self.saver.as_ref().map(Saver::reports).unwrap_or_default();
         actions.extend(reports.into_iter().flat_map(actions_of));
         actions
@@ -328,7 +208,7 @@ impl Runner {
         let mut actions = self.close();
         actions.push(match self.start_saver(ready) {
             Ok(opened) => opened,
-            Err(error) => Action::Failed(error.to_string()),
+            Err(error) => Action::Disk(DiskReport::Failed(error.to_string())),
         });
         actions
     }
@@ -338,14 +218,14 @@ impl Runner {
         self.trainer = None;
         self.held = None;
         let failure = |action: Action| match action {
-            Action::SaveFailed(_) => Some(action),
+            Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
             // Nobody is left to ask.
-            Action::ChangedOutside { path, own: Some(own) } => {
-                Some(Action::Notify(Level::Warning, kept_own(&path, &own)))
+            Action::Disk(DiskReport::ChangedOutside { path, own: Some(own) }) => {
+                Some(Action::View(ViewAction::Notify(Level::Warning, kept_own(&path, &own))))
             }
             // There was no time to give it the document.
-            Action::WholeWanted => {
-                Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
+            Action::Disk(DiskReport::WholeWanted) => {
+                Some(Action::Disk(DiskReport::SaveFailed("the last edits do not fit what was saved before".to_owned())))
             }
             _ => None,
         };
@@ -415,28 +295,49 @@ impl Runner {
             Ok(trainer) => self.trainer = Some(trainer),
             Err(error) => {
                 let text = format!("The system could not start a thread for the trainer: {error}");
-                self.reports.push(Action::Notify(Level::Warning, text));
+                self.reports.push(Action::View(ViewAction::Notify(Level::Warning, text)));
             }
         }
     }
 
-    /// Opens what a task finds out.
-    fn open(&mut self, name: &str, path: impl FnOnce(OpenWatch<'_>) -> Result<PathBuf, JobError> + Send + 'static) {
-        // Whoever asks for another document does not wait for the one before.
+    /// Opens a document. Whoever asks for another one does not wait for the one before.
+    fn open(&mut self, opening: Opening) {
         self.give_up(|kind| kind == Kind::Opening);
         self.ready = None;
+        if matches!(opening, Opening::Again(_)) {
+            // What is not written stays in the journal, and is found again there.
+            let last = self.close();
+            self.reports.extend(last);
+        }
         let held = self.held.clone();
-        self.begin(name, Kind::Opening, move |watch| {
-            let tell = |text| watch.tell(Action::Progress(text));
-            open_anything(&path(&tell)?, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
+        self.begin("open", Kind::Opening, move |watch| {
+            let tell = |text| watch.tell(Action::Disk(DiskReport::Progress(text)));
+            let path = match opening {
+                Opening::Path(path) | Opening::Again(path) => path,
+                Opening::Demo => demo::fresh_copy(&tell)?,
+            };
+            open_anything(&path, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
 
-    /// Begins a task that reads or writes files beside the open document.
-    fn begin_beside(&mut self, name: &str, task: impl FnOnce(&Location) -> Result<Action, JobError> + Send + 'static) {
-        if let Some(location) = self.held.clone() {
-            self.begin(name, Kind::Beside, move |_| task(&location).map(Outcome::Action));
-        }
+    /// Begins what is to be done with edits that were set aside beside the open document.
+    fn begin_with_orphan(&mut self, orphan: PathBuf, order: OrphanOrder) {
+        let Some(location) = self.held.clone() else { return };
+        self.begin("edits set aside", Kind::Beside, move |_| {
+            Ok(Outcome::Action(match order {
+                OrphanOrder::Read => {
+                    let edits = Box::new(read_orphan(&location, &orphan)?);
+                    Action::Disk(DiskReport::OrphanRead { orphan, edits })
+                }
+                OrphanOrder::Save => {
+                    Action::Disk(DiskReport::OrphanSaved { document: save_orphan(&location, &orphan)? })
+                }
+                OrphanOrder::PutAway => {
+                    let renamed = put_orphan_away(&location, &orphan)?;
+                    Action::Disk(DiskReport::OrphanPutAway { orphan, renamed })
+                }
+            }))
+        });
     }
 
     fn tell_saver(&self, order: impl FnOnce(&Saver)) {
@@ -456,7 +357,7 @@ impl Runner {
             Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
             Err(source) => {
                 let error = JobError::NoThread { what: format!("“{name}”"), source };
-                self.reports.push(Action::Failed(error.to_string()));
+                self.reports.push(Action::Disk(DiskReport::Failed(error.to_string())));
             }
         }
     }
@@ -464,19 +365,25 @@ impl Runner {
 
 fn actions_of(report: SaverReport) -> Vec<Action> {
     match report {
-        SaverReport::Journaled { revision, at } => vec![Action::Saved { revision, at: clock(at), document: None }],
+        SaverReport::Journaled { revision, at } => {
+            vec![Action::Disk(DiskReport::Saved { revision, at: clock(at), document: None })]
+        }
         SaverReport::Saved { revision, at, request, set_aside } => {
             let said = set_aside.map(|path| {
                 let text = format!("Another program changed the document; its version is kept as {}.", path.display());
-                Action::Notify(Level::Warning, text)
+                Action::View(ViewAction::Notify(Level::Warning, text))
             });
-            said.into_iter().chain([Action::Saved { revision, at: clock(at), document: Some(request) }]).collect()
+            said.into_iter()
+                .chain([Action::Disk(DiskReport::Saved { revision, at: clock(at), document: Some(request) })])
+                .collect()
         }
-        SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
-        SaverReport::ChangedOutside { path, own } => vec![Action::ChangedOutside { path, own }],
-        SaverReport::Outside(outside) => vec![Action::Outside(outside)],
-        SaverReport::NeedsWhole => vec![Action::WholeWanted],
-        SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving failed: {message}"))],
+        SaverReport::Failed { error, .. } => vec![Action::Disk(DiskReport::SaveFailed(error.to_string()))],
+        SaverReport::ChangedOutside { path, own } => vec![Action::Disk(DiskReport::ChangedOutside { path, own })],
+        SaverReport::Outside(outside) => vec![Action::Disk(DiskReport::Outside(outside))],
+        SaverReport::NeedsWhole => vec![Action::Disk(DiskReport::WholeWanted)],
+        SaverReport::Broken { message } => {
+            vec![Action::Disk(DiskReport::SaveFailed(format!("saving failed: {message}")))]
+        }
     }
 }
 
@@ -590,10 +497,10 @@ mod tests {
     fn what_was_reported_before_a_document_opened_still_concerns_the_one_before() {
         let mut bench = Bench::new();
         let folder = project(1);
-        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
-        bench
-            .runner
-            .begin("word", Kind::Other, |_| Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned()))));
+        bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
+        bench.runner.begin("word", Kind::Other, |_| {
+            Ok(Outcome::Action(Action::View(ViewAction::Notify(Level::Info, "a word".to_owned()))))
+        });
         let mut batches = Vec::new();
         while bench.runner.is_busy() {
             bench.woken.recv().unwrap();
@@ -609,8 +516,8 @@ mod tests {
     fn the_document_that_is_asked_for_last_opens_alone() {
         let mut bench = Bench::new();
         let (first, last) = (project(1), project(2));
-        bench.runner.carry_out(Effect::Open(first.path().to_path_buf()));
-        bench.runner.carry_out(Effect::Open(last.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(Opening::Path(first.path().to_path_buf())));
+        bench.runner.carry_out(Effect::Open(Opening::Path(last.path().to_path_buf())));
         bench.wait();
         assert_eq!(bench.app.open().unwrap().document.frames.len(), 2);
         assert!(!first.path().join("project.json.lock").exists(), "the other one is let go of");
@@ -623,9 +530,9 @@ mod tests {
         let (go_on, wait) = channel();
         bench.runner.begin("read", Kind::Beside, move |_| {
             let _: Result<(), _> = wait.recv();
-            Ok(Outcome::Action(Action::Notify(Level::Info, "of another document".to_owned())))
+            Ok(Outcome::Action(Action::View(ViewAction::Notify(Level::Info, "of another document".to_owned()))))
         });
-        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
         while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {
             bench.woken.recv().unwrap();
             for action in bench.runner.poll() {
@@ -634,7 +541,7 @@ mod tests {
         }
         go_on.send(()).unwrap();
         bench.wait();
-        assert!(bench.app.session.notices.iter().all(|notice| notice.text != "of another document"));
+        assert!(bench.app.session.messages.notices.iter().all(|notice| notice.text != "of another document"));
     }
 
     #[test]

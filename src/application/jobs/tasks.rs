@@ -1,29 +1,10 @@
 //! What is done in the background at a person's request, apart from opening.
 
 use super::JobError;
-use std::path::{Path, PathBuf};
-use touchline_calibration::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
-use touchline_core::solve::base::{BaseOptions, WatchBase};
-use touchline_documents::document::{Camera, CameraId, DocumentAt};
+use std::path::Path;
+use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store;
 use touchline_documents::store::{Location, Store};
-
-/// Estimates the base of a camera, and the field's size as well if that is wanted.
-pub(super) fn estimate(
-    document: DocumentAt<'_>,
-    camera: &CameraId,
-    with_size: bool,
-    watch: WatchBase<'_>,
-) -> Result<Box<EstimatedBase>, BaseEstimationError> {
-    let problem = BaseProblem::of(document, camera)?;
-    let options = BaseOptions::default();
-    let found = if with_size {
-        problem.estimate_with_size(document, &options, watch)
-    } else {
-        problem.estimate_watched(document.document, &options, watch)
-    };
-    found.map(Box::new)
-}
 
 /// Writes a document into another folder; an existing project there is not touched.
 pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {
@@ -31,13 +12,6 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
     let location = Location::for_new_document(folder)?;
     Store::create(&location, &document.relocated(location.folder()))?;
     Ok(())
-}
-
-/// Where a new folder is written: the one that was chosen if it is empty or absent or holds a dataset, else a new one in it.
-pub(super) fn new_folder(chosen: PathBuf, name: &str) -> PathBuf {
-    let is_full = std::fs::read_dir(&chosen).is_ok_and(|mut entries| entries.next().is_some());
-    let is_dataset = chosen.join("manifest.sha256").is_file();
-    if is_full && !is_dataset { chosen.join(name) } else { chosen }
 }
 
 /// The first camera of a document that has a base.

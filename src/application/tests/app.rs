@@ -2,7 +2,10 @@
 
 use crate::bench::{Bench, SIZE, base, landmark_in};
 use touchline_application::app::session::{Dialog, Filter, Leaving, Level, Mode, PictureView, Saving};
-use touchline_application::app::{Action, App, Command, Effect, MaskList, MaskScope, Opened, Settings};
+use touchline_application::app::{
+    Action, App, Command, DiskReport, EditAction, Effect, MaskList, MaskScope, Navigation, Opened, PointerAction,
+    Settings, ViewAction,
+};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::builtin;
 use touchline_core::geometry::{ImagePoint, PixelBox, Vec3};
@@ -41,8 +44,8 @@ impl Bench {
         self.click(self.image_of(landmark));
         if let Mode::Naming(_) = self.app.session.mode {
             let code = builtin("soccer").unwrap().default_model().unwrap().landmark(landmark).unwrap().code.clone();
-            self.act(Action::TypeName(code));
-            self.act(Action::TakeName(0));
+            self.act(Action::Navigate(Navigation::TypeName(code)));
+            self.act(Action::Edit(EditAction::TakeName(0)));
         }
         let named = self.frame().clicks.last().unwrap().target.clone();
         assert_eq!(named, Some(Target::Landmark(landmark.into())));
@@ -76,10 +79,10 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
     assert_eq!(accepted.status, FrameStatus::Reference);
     let journalled = bench.effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count();
     assert!(journalled >= 4, "every edit goes to the journal at once: {journalled}");
-    assert_eq!(bench.app.session.saving, Saving::Pending);
+    assert_eq!(bench.app.session.disk.saving, Saving::Pending);
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Saved { revision, at: "12:03:41".into(), document: Some(0) });
-    assert_eq!(bench.app.session.saving, Saving::Saved { at: "12:03:41".into() });
+    bench.act(Action::Disk(DiskReport::Saved { revision, at: "12:03:41".into(), document: Some(0) }));
+    assert_eq!(bench.app.session.disk.saving, Saving::Saved { at: "12:03:41".into() });
 }
 
 #[test]
@@ -102,7 +105,7 @@ fn the_names_offered_for_the_second_click_put_the_right_one_first_beside_a_solve
     bench.click(bench.image_of("centre_mark"));
     if let Mode::Naming(naming) = &bench.app.session.mode {
         assert_eq!(naming.offered()[0].target.as_str(), "centre_mark");
-        bench.act(Action::TakeName(0));
+        bench.act(Action::Edit(EditAction::TakeName(0)));
     }
     bench.click(bench.image_of("centre_circle_halfway_far"));
     let name = match &bench.app.session.mode {
@@ -124,7 +127,7 @@ fn in_a_new_shot_the_names_follow_where_the_camera_usually_looks() {
     bench.click(bench.image_of("halfway_far"));
     let Mode::Naming(naming) = &bench.app.session.mode else { panic!("one click of a new shot is never certain") };
     assert!(naming.offered().iter().take(2).any(|name| name.target.as_str() == "halfway_far"), "{naming:?}");
-    bench.act(Action::Name { click: 0, target: Target::Landmark("halfway_far".into()) });
+    bench.act(Action::Edit(EditAction::Name { click: 0, target: Target::Landmark("halfway_far".into()) }));
     bench.click(bench.image_of("centre_circle_halfway_near"));
     let Mode::Naming(naming) = &bench.app.session.mode else { panic!("a camera of another shot vouches for no name") };
     assert_eq!(naming.offered()[0].target.as_str(), "centre_circle_halfway_near");
@@ -137,12 +140,12 @@ fn a_drag_is_one_step_and_escape_is_none() {
     bench.place("halfway_far");
     let before = bench.frame().clone();
     let at = before.clicks[1].image;
-    bench.act(Action::Press { at, on: Some(1) });
+    bench.act(Action::Pointer(PointerAction::Press { at, on: Some(1) }));
     for step in 1..20 {
-        bench.act(Action::Drag(ImagePoint::new(at.x + f64::from(step), at.y)));
+        bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + f64::from(step), at.y))));
         assert_ne!(bench.frame().ptz, before.ptz, "the overlay follows");
     }
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Release));
     let dragged = bench.frame().clone();
     assert_eq!(dragged.clicks[1].image.x, at.x + 19.0);
     bench.command(Command::Undo);
@@ -151,14 +154,14 @@ fn a_drag_is_one_step_and_escape_is_none() {
     assert_eq!(Frame { revision: dragged.revision, ..bench.frame().clone() }, dragged);
     assert!(bench.frame().revision > dragged.revision, "each is an edit");
     let steps = bench.app.open().unwrap().history.next_undo().cloned();
-    bench.act(Action::Press { at: dragged.clicks[1].image, on: Some(1) });
-    bench.act(Action::Drag(ImagePoint::new(5.0, 5.0)));
+    bench.act(Action::Pointer(PointerAction::Press { at: dragged.clicks[1].image, on: Some(1) }));
+    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(5.0, 5.0))));
     bench.command(Command::Cancel);
     assert_eq!(Frame { revision: dragged.revision, ..bench.frame().clone() }, dragged);
     assert!(bench.frame().revision > dragged.revision, "each is an edit");
     assert_eq!(bench.app.open().unwrap().history.next_undo().cloned(), steps);
-    bench.act(Action::Press { at: dragged.clicks[1].image, on: Some(1) });
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Press { at: dragged.clicks[1].image, on: Some(1) }));
+    bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(bench.app.open().unwrap().history.next_undo().cloned(), steps, "a press without a move is no step");
 }
 
@@ -166,7 +169,7 @@ fn a_drag_is_one_step_and_escape_is_none() {
 fn undo_on_another_frame_goes_there_first() {
     let mut bench = Bench::new(document(3, true));
     bench.place("centre_mark");
-    bench.act(Action::GoTo(2));
+    bench.act(Action::Navigate(Navigation::GoTo(2)));
     bench.command(Command::Undo);
     assert_eq!(bench.app.session.frame, 0);
     assert_eq!(bench.frame().clicks.len(), 1, "the first press only goes there");
@@ -185,7 +188,7 @@ fn accept_is_refused_while_a_point_has_no_name_or_nothing_is_solved() {
     bench.place("centre_mark");
     bench.place("halfway_far");
     bench.click(ImagePoint::new(3.0, 3.0));
-    bench.act(Action::Press { at: ImagePoint::new(900.0, 500.0), on: None });
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 500.0), on: None }));
     bench.command(Command::Accept);
     assert_eq!(bench.app.session.frame, 0);
     assert!(bench.last_notice().starts_with("Point 3 has no name. "), "{}", bench.last_notice());
@@ -204,10 +207,10 @@ fn escape_takes_a_point_without_a_name_away() {
 fn landmark_first_shows_the_field_while_the_pointer_moves() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
-    bench.act(Action::Pick(Target::Landmark("halfway_far".into())));
+    bench.act(Action::Edit(EditAction::Pick(Target::Landmark("halfway_far".into()))));
     assert!(matches!(bench.app.session.mode, Mode::Placing(_)));
     let at = bench.image_of("halfway_far");
-    bench.act(Action::Hover(Some(at)));
+    bench.act(Action::Pointer(PointerAction::Hover(Some(at))));
     let preview = bench.app.current().preview.unwrap().ptz();
     assert!((preview.focal_px - 2300.0).abs() < 1e-6);
     bench.click(at);
@@ -223,19 +226,19 @@ fn points_on_lines_check_points_and_deleting() {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let on_touchline = truth(0).image_from_world(field.line("touchline_far").unwrap().curve.point_at(0.55)).unwrap();
     bench.click(on_touchline);
-    bench.act(Action::TypeName("touchline far".into()));
-    bench.act(Action::TakeName(0));
+    bench.act(Action::Navigate(Navigation::TypeName("touchline far".into())));
+    bench.act(Action::Edit(EditAction::TakeName(0)));
     assert_eq!(bench.frame().clicks[1].target, Some(Target::Line("touchline_far".into())));
     bench.place("halfway_far");
     assert!(bench.ptz_error() < 1e-6);
     bench.place("centre_circle_right");
-    bench.act(Action::Select(Some(3)));
+    bench.act(Action::Navigate(Navigation::Select(Some(3))));
     bench.command(Command::ToggleCheck);
     assert!(bench.frame().clicks[3].check);
     assert_eq!(bench.app.current().solved().unwrap().checks.len(), 1);
     bench.command(Command::DeleteClick);
     assert_eq!(bench.frame().clicks.len(), 3);
-    assert_eq!(bench.app.session.selected, None);
+    assert_eq!(bench.app.session.points.selected, None);
 }
 
 #[test]
@@ -243,14 +246,14 @@ fn a_name_is_given_once_in_a_frame() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
     bench.place("halfway_far");
-    bench.act(Action::Name { click: 1, target: Target::Landmark("centre_mark".into()) });
+    bench.act(Action::Edit(EditAction::Name { click: 1, target: Target::Landmark("centre_mark".into()) }));
     assert_eq!(bench.last_notice(), "Points 2 and 1 have swapped their names.");
     let named = |bench: &Bench, click: usize| bench.frame().clicks[click].target.clone();
     let [mark, far] = ["centre_mark", "halfway_far"].map(|id| Some(Target::Landmark(id.into())));
     assert_eq!([named(&bench, 0), named(&bench, 1)], [far, mark.clone()]);
     // A point without a name has none to give back.
     bench.click(ImagePoint::new(3.0, 3.0));
-    bench.act(Action::Name { click: 2, target: Target::Landmark("centre_mark".into()) });
+    bench.act(Action::Edit(EditAction::Name { click: 2, target: Target::Landmark("centre_mark".into()) }));
     assert!(bench.last_notice().contains("already point 2"), "{}", bench.last_notice());
     assert_eq!([named(&bench, 1), named(&bench, 2)], [mark, None]);
 }
@@ -259,7 +262,7 @@ fn a_name_is_given_once_in_a_frame() {
 fn rejecting_a_shot_is_one_step() {
     let mut bench = Bench::new(document(7, true));
     bench.command(Command::RejectShot);
-    bench.act(Action::RejectAs(RejectReason::Replay));
+    bench.act(Action::Edit(EditAction::RejectAs(RejectReason::Replay)));
     let open = bench.app.open().unwrap();
     assert_eq!(open.count(FrameStatus::Rejected), 4);
     assert_eq!(bench.app.session.frame, 4, "on to the next shot");
@@ -274,20 +277,20 @@ fn numbers_by_hand_move_the_overlay_in_one_step_and_clicks_can_decide_again() {
     bench.place("centre_mark");
     bench.place("halfway_far");
     let solved = bench.frame().ptz.clone();
-    bench.act(Action::BeginEdit("Set pan"));
+    bench.act(Action::Edit(EditAction::Begin("Set pan")));
     for step in 1..=5 {
-        bench.act(Action::EditPtz(Ptz::from_degrees(f64::from(step), -13.0, 2000.0)));
+        bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(f64::from(step), -13.0, 2000.0))));
     }
-    bench.act(Action::EndEdit);
+    bench.act(Action::Edit(EditAction::End));
     assert_eq!(bench.frame().ptz.as_ref().unwrap().pan_deg, 5.0);
     assert!(bench.app.current().by_hand);
     assert!((bench.app.current().camera.unwrap().ptz().pan.degrees() - 5.0).abs() < 1e-12);
-    bench.act(Action::SolveAgain);
+    bench.act(Action::Edit(EditAction::SolveAgain));
     assert_eq!(bench.frame().ptz, solved);
     bench.command(Command::Undo);
     bench.command(Command::Undo);
     assert_eq!(bench.frame().ptz, solved);
-    bench.act(Action::EditPtz(Ptz::from_degrees(f64::NAN, 0.0, 0.0)));
+    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(f64::NAN, 0.0, 0.0))));
     assert_eq!(bench.frame().ptz, solved, "numbers that are none are not taken");
 }
 
@@ -297,12 +300,12 @@ fn a_camera_change_solves_every_frame_that_clicks_solved() {
     bench.place("centre_mark");
     bench.place("halfway_far");
     let before = bench.frame().ptz.clone();
-    bench.act(Action::GoTo(1));
+    bench.act(Action::Navigate(Navigation::GoTo(1)));
     let mut camera = bench.app.open().unwrap().document.cameras[0].clone();
     camera.position_m = Some(Vec3::new(0.0, -70.0, 20.0));
-    bench.act(Action::BeginEdit("Set height"));
-    bench.act(Action::EditCamera(Box::new((*camera).clone())));
-    bench.act(Action::EndEdit);
+    bench.act(Action::Edit(EditAction::Begin("Set height")));
+    bench.act(Action::Edit(EditAction::Camera(Box::new((*camera).clone()))));
+    bench.act(Action::Edit(EditAction::End));
     assert_ne!(bench.app.open().unwrap().frame(0).unwrap().ptz, before);
     bench.command(Command::Undo);
     bench.command(Command::Undo);
@@ -313,11 +316,11 @@ fn a_camera_change_solves_every_frame_that_clicks_solved() {
 fn without_a_base_clicks_are_kept_and_the_way_out_is_told() {
     let mut bench = Bench::new(document(1, false));
     bench.click(ImagePoint::new(500.0, 500.0));
-    bench.act(Action::TypeName("cm".into()));
-    bench.act(Action::TakeName(0));
+    bench.act(Action::Navigate(Navigation::TypeName("cm".into())));
+    bench.act(Action::Edit(EditAction::TakeName(0)));
     bench.click(ImagePoint::new(1500.0, 500.0));
-    bench.act(Action::TypeName("centre circle right".into()));
-    bench.act(Action::TakeName(0));
+    bench.act(Action::Navigate(Navigation::TypeName("centre circle right".into())));
+    bench.act(Action::Edit(EditAction::TakeName(0)));
     assert_eq!(bench.frame().clicks.len(), 2);
     let error = bench.app.current().solution.as_ref().unwrap().as_ref().unwrap_err().to_string();
     assert!(error.contains("no position or base rotation"), "{error}");
@@ -332,7 +335,7 @@ fn a_document_to_look_at_only_stays_as_it_is() {
     bench.act(Action::Opened(Box::new(opened)));
     bench.effects.clear();
     bench.click(ImagePoint::new(500.0, 500.0));
-    bench.act(Action::SetComment("no".into()));
+    bench.act(Action::Edit(EditAction::SetComment("no".into())));
     assert_eq!(*bench.app.open().unwrap().document, document(2, true));
     assert!(bench.effects.is_empty());
     assert!(bench.last_notice().contains("another program has it open"), "{}", bench.last_notice());
@@ -346,12 +349,12 @@ fn closing_waits_until_everything_is_on_disk() {
     bench.act(Action::CloseRequested);
     let [Effect::Save { request }] = bench.effects[..] else { panic!("{:?}", bench.effects) };
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Saved { revision: revision - 1, at: "1".into(), document: Some(request) });
+    bench.act(Action::Disk(DiskReport::Saved { revision: revision - 1, at: "1".into(), document: Some(request) }));
     assert!(!bench.effects.contains(&Effect::Close));
     // A write of before the request says nothing of what another program has done since.
-    bench.act(Action::Saved { revision, at: "1".into(), document: Some(request - 1) });
+    bench.act(Action::Disk(DiskReport::Saved { revision, at: "1".into(), document: Some(request - 1) }));
     assert!(!bench.effects.contains(&Effect::Close));
-    bench.act(Action::Saved { revision, at: "2".into(), document: Some(request) });
+    bench.act(Action::Disk(DiskReport::Saved { revision, at: "2".into(), document: Some(request) }));
     assert!(bench.effects.contains(&Effect::Close));
 }
 
@@ -359,12 +362,12 @@ fn closing_waits_until_everything_is_on_disk() {
 fn a_full_disk_is_said_and_edits_are_lost_only_by_saying_so() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
-    bench.act(Action::SaveFailed("disk full".into()));
+    bench.act(Action::Disk(DiskReport::SaveFailed("disk full".into())));
     bench.effects.clear();
     bench.act(Action::CloseRequested);
     assert!(!bench.effects.contains(&Effect::Close));
-    bench.act(Action::SaveFailed("disk full".into()));
-    assert!(matches!(&bench.app.session.saving, Saving::Failed { message, .. } if message == "disk full"));
+    bench.act(Action::Disk(DiskReport::SaveFailed("disk full".into())));
+    assert!(matches!(&bench.app.session.disk.saving, Saving::Failed { message, .. } if message == "disk full"));
     for _ in 0..2 {
         bench.act(Action::CloseRequested);
         assert!(!bench.effects.contains(&Effect::Close));
@@ -378,12 +381,12 @@ fn a_full_disk_is_said_and_edits_are_lost_only_by_saying_so() {
 fn zoom_and_position_stay_from_frame_to_frame_and_filters_count() {
     let mut bench = Bench::new(document(6, true));
     let view = PictureView::Zoomed { scale: 6.0, centre: ImagePoint::new(700.0, 300.0) };
-    bench.act(Action::View(view));
+    bench.act(Action::View(ViewAction::Picture(view)));
     bench.command(Command::NextFrame);
     bench.command(Command::NextTenFrames);
     assert_eq!(bench.app.session.frame, 5);
-    assert_eq!(bench.app.session.view, view);
-    bench.act(Action::SetFilter(Filter::Status(FrameStatus::Reference)));
+    assert_eq!(bench.app.session.picture.view, view);
+    bench.act(Action::View(ViewAction::SetFilter(Filter::Status(FrameStatus::Reference))));
     assert!(!bench.app.session.filter.shows(bench.frame()));
 }
 
@@ -391,13 +394,13 @@ fn zoom_and_position_stay_from_frame_to_frame_and_filters_count() {
 fn escape_gives_up_what_is_being_opened() {
     let mut bench = Bench::new(document(1, true));
     bench.act(Action::Open("/match.mp4".into()));
-    bench.act(Action::Progress("Counting frames: 500…".into()));
-    assert_eq!(bench.app.session.opening.as_deref(), Some("Counting frames: 500…"));
+    bench.act(Action::Disk(DiskReport::Progress("Counting frames: 500…".into())));
+    assert_eq!(bench.app.session.disk.opening.as_deref(), Some("Counting frames: 500…"));
     bench.command(Command::Cancel);
     assert!(bench.effects.contains(&Effect::CancelOpening));
-    assert_eq!(bench.app.session.opening, None);
-    bench.act(Action::Progress("Counting frames: 600…".into()));
-    assert_eq!(bench.app.session.opening, None, "a late word brings nothing back");
+    assert_eq!(bench.app.session.disk.opening, None);
+    bench.act(Action::Disk(DiskReport::Progress("Counting frames: 600…".into())));
+    assert_eq!(bench.app.session.disk.opening, None, "a late word brings nothing back");
 }
 
 #[test]
@@ -411,11 +414,11 @@ fn every_command_can_be_asked_for_at_any_time() {
             for second in Command::all() {
                 app.update(Action::Command(first));
                 app.update(Action::Command(second));
-                app.update(Action::Press { at: ImagePoint::new(9.0, 9.0), on: Some(7) });
-                app.update(Action::Drag(ImagePoint::new(f64::NAN, 9.0)));
-                app.update(Action::Release);
-                app.update(Action::TakeName(3));
-                app.update(Action::RejectAs(RejectReason::Blur));
+                app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(9.0, 9.0), on: Some(7) }));
+                app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(f64::NAN, 9.0))));
+                app.update(Action::Pointer(PointerAction::Release));
+                app.update(Action::Edit(EditAction::TakeName(3)));
+                app.update(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
                 app.update(Action::Command(Command::Cancel));
             }
         }
@@ -426,17 +429,17 @@ fn every_command_can_be_asked_for_at_any_time() {
 fn a_mask_of_one_frame_becomes_one_of_every_frame_in_one_step() {
     let mut bench = Bench::new(document(3, true));
     let score = PixelBox { x: 40.0, y: 30.0, width: 300.0, height: 50.0 };
-    bench.act(Action::AddMask { of_camera: false, mask: score });
+    bench.act(Action::Edit(EditAction::AddMask { of_camera: false, mask: score }));
     let masks = |bench: &Bench| {
         let document = &bench.app.open().unwrap().document;
         (document.cameras[0].masks.clone(), document.frames[0].masks.clone())
     };
-    bench.act(Action::ScopeMask { list: MaskList::Frame, index: 0, scope: MaskScope::All });
+    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Frame, index: 0, scope: MaskScope::All }));
     assert_eq!(masks(&bench), (vec![score], vec![]));
-    bench.act(Action::GoTo(2));
-    bench.act(Action::ScopeMask { list: MaskList::Camera, index: 7, scope: MaskScope::Frame });
+    bench.act(Action::Navigate(Navigation::GoTo(2)));
+    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Camera, index: 7, scope: MaskScope::Frame }));
     assert_eq!(masks(&bench), (vec![score], vec![]), "there is no such mask");
-    bench.act(Action::GoTo(0));
+    bench.act(Action::Navigate(Navigation::GoTo(0)));
     bench.command(Command::Undo);
     assert_eq!(masks(&bench), (vec![], vec![score]));
 }

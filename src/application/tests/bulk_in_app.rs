@@ -3,10 +3,13 @@
 use crate::bench::uncounted;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
+use touchline_application::app::operation::{Job, Operation};
+use touchline_application::app::operations::BulkSolving;
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{
-    Action, App, BulkFailure, BulkOrder, CameraChoice, Command, Effect, Opened, Settings,
+    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
 };
+use touchline_application::jobs::SharedPictures;
 use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -63,20 +66,19 @@ fn open(document: Document) -> App {
 fn higher(app: &App, height_m: f64) -> Action {
     let mut camera = (*app.open().unwrap().document.cameras[0]).clone();
     camera.set_base(&base(height_m));
-    Action::EditCamera(Box::new(camera))
+    Action::Edit(EditAction::Camera(Box::new(camera)))
 }
 
-fn ordered(effects: Vec<Effect>) -> Option<BulkOrder> {
+fn ordered(effects: Vec<Effect>) -> Option<Job> {
     effects.into_iter().find_map(|effect| match effect {
-        Effect::SolveBulk(order) => Some(*order),
+        Effect::Start(job) if job.name() == BulkSolving::NAME => Some(job),
         _ => None,
     })
 }
 
 /// What the job reports in the end.
-fn solved(BulkOrder { ticket, work }: BulkOrder) -> Action {
-    let solved = work.run(&|_| ControlFlow::Continue(())).map(Box::new).map_err(BulkFailure::Impossible);
-    Action::BulkSolved { ticket, solved }
+fn solved(job: &Job) -> Action {
+    Action::Report(job.run(&SharedPictures::none(), &|_| ()))
 }
 
 fn now(app: &App) -> &Document {
@@ -109,23 +111,23 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).expect("many frames");
     assert_eq!(*now(&app), before, "nothing has changed yet");
-    assert!(app.session.bulk.is_some() && app.why_not(Command::StopSolving).is_none());
+    assert!(app.operations.bulk_solve.is_running() && app.why_not(Command::StopSolving).is_none());
 
-    app.update(Action::GoTo(EDITED));
-    app.update(Action::Select(Some(0)));
-    app.update(Action::Nudge { dx_px: 3.0, dy_px: 0.0, held: false });
+    app.update(Action::Navigate(Navigation::GoTo(EDITED)));
+    app.update(Action::Navigate(Navigation::Select(Some(0))));
+    app.update(Action::Edit(EditAction::Nudge { dx_px: 3.0, dy_px: 0.0, held: false }));
     let clicks = now(&app).frames[EDITED].clicks.clone();
     assert_ne!(clicks, before.frames[EDITED].clicks);
     let edited = now(&app).clone();
 
-    let effects = app.update(solved(order));
-    assert!(app.session.bulk.is_none());
+    let effects = app.update(solved(&order));
+    assert!(!app.operations.bulk_solve.is_running());
     let journalled = effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count();
     assert_eq!((height_m(now(&app)), journalled), (18.5, 1));
     assert_eq!(now(&app).frames[EDITED].clicks, clicks, "the edit is not overwritten");
     assert!([0, 1, EDITED, 100, FRAMES - 2].into_iter().all(|index| is_solved_for(now(&app), index, 18.5)));
     assert_eq!(now(&app).frames[FRAMES - 1].status, FrameStatus::New, "it was proposed for the old base");
-    assert!(app.session.notices.iter().any(|notice| notice.text.starts_with("1 proposal ")));
+    assert!(app.session.messages.notices.iter().any(|notice| notice.text.starts_with("1 proposal ")));
 
     app.update(Action::Command(Command::Undo));
     assert_eq!(uncounted(now(&app)), uncounted(&edited), "one step takes all of it back, and nothing else");
@@ -144,9 +146,10 @@ fn it_can_be_stopped_and_then_nothing_has_changed() {
     let order = ordered(app.update(change)).unwrap();
     let change = higher(&app, 20.0);
     assert!(ordered(app.update(change)).is_none(), "one at a time");
-    let effects = app.update(Action::Command(Command::StopSolving));
-    assert!(effects.contains(&Effect::CancelBulk) && app.session.bulk.is_none());
-    app.update(solved(order));
+    let late = solved(&order);
+    app.update(Action::Command(Command::StopSolving));
+    assert!(order.is_cancelled() && !app.operations.bulk_solve.is_running());
+    app.update(late);
     assert_eq!(*now(&app), before, "nobody waits for it any more");
     assert!(app.open().unwrap().history.next_undo().is_none());
     assert!(app.why_not(Command::StopSolving).is_some());
@@ -182,14 +185,14 @@ fn a_drag_is_not_cut_in_two() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).unwrap();
-    app.update(Action::GoTo(EDITED));
+    app.update(Action::Navigate(Navigation::GoTo(EDITED)));
     let at = app.frame().unwrap().clicks[0].image;
-    app.update(Action::Press { at, on: Some(0) });
-    app.update(Action::Drag(ImagePoint::new(at.x + 2.0, at.y)));
-    app.update(solved(order));
+    app.update(Action::Pointer(PointerAction::Press { at, on: Some(0) }));
+    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 2.0, at.y))));
+    app.update(solved(&order));
     assert_eq!(height_m(now(&app)), 18.0, "it waits for the end of the drag");
-    app.update(Action::Drag(ImagePoint::new(at.x + 5.0, at.y)));
-    app.update(Action::Release);
+    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 5.0, at.y))));
+    app.update(Action::Pointer(PointerAction::Release));
     assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.5, at.x + 5.0));
     app.update(Action::Command(Command::Undo));
     assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.0, at.x + 5.0));
@@ -202,15 +205,14 @@ fn where_the_cameras_have_changed_meanwhile_it_is_worked_out_again() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
     let first = ordered(app.update(change)).unwrap();
-    app.update(solved(first));
+    app.update(solved(&first));
     let change = higher(&app, 19.0);
     let second = ordered(app.update(change)).unwrap();
-    let ticket = second.ticket;
     app.update(Action::Command(Command::Undo));
     assert_eq!(height_m(now(&app)), 18.0);
-    let again = ordered(app.update(solved(second))).expect("the camera is not the one it was worked out for");
-    assert!(again.ticket != ticket && height_m(now(&app)) == 18.0);
-    app.update(solved(again));
+    let again = ordered(app.update(solved(&second))).expect("the camera is not the one it was worked out for");
+    assert!(again.id() != second.id() && height_m(now(&app)) == 18.0);
+    app.update(solved(&again));
     assert_eq!(height_m(now(&app)), 19.0);
     assert!(is_solved_for(now(&app), 3, 19.0));
 }
@@ -222,12 +224,15 @@ fn a_frame_that_is_given_away_while_it_is_edited_keeps_its_edit_and_gets_its_cam
     second.set_base(&base(21.0));
     document.cameras.push(second.into());
     let mut app = open(document);
-    app.update(Action::GoTo(3));
-    let give = Action::AssignToCamera { scope: Scope::Onwards, camera: CameraChoice::Known("second".into()) };
+    app.update(Action::Navigate(Navigation::GoTo(3)));
+    let give = Action::Edit(EditAction::AssignToCamera {
+        scope: Scope::Onwards,
+        camera: CameraChoice::Known("second".into()),
+    });
     let order = ordered(app.update(give)).expect("many frames");
-    app.update(Action::GoTo(EDITED));
-    app.update(Action::SetComment("rain".to_owned()));
-    app.update(solved(order));
+    app.update(Action::Navigate(Navigation::GoTo(EDITED)));
+    app.update(Action::Edit(EditAction::SetComment("rain".to_owned())));
+    app.update(solved(&order));
     let frames = &now(&app).frames;
     assert!((3..FRAMES).all(|index| frames[index].camera.as_str() == "second"));
     assert_eq!((frames[2].camera.as_str(), frames[EDITED].comment.as_deref()), ("main", Some("rain")));
@@ -242,12 +247,11 @@ fn what_cannot_be_done_is_told_and_changes_nothing() {
     let mut app = open(document());
     let before = now(&app).clone();
     let change = higher(&app, 19.0);
-    let BulkOrder { ticket, .. } = ordered(app.update(change)).unwrap();
-    let message = "out of grass".to_owned();
-    app.update(Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) });
+    let order = ordered(app.update(change)).unwrap();
+    app.update(Action::Report(order.panicked("out of grass".to_owned())));
     assert_eq!(*now(&app), before);
-    assert!(app.session.notices.iter().any(|notice| notice.text.contains("out of grass")));
-    assert!(app.session.bulk.is_none());
+    assert!(app.session.messages.notices.iter().any(|notice| notice.text.contains("out of grass")));
+    assert!(!app.operations.bulk_solve.is_running());
 }
 
 #[test]
@@ -260,11 +264,11 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     app.update(Action::Command(Command::ClickAgain));
     let asked = app.round().and_then(|round| round.asked().cloned()).expect("a round");
     let at = now(&app).frames[asked.frame].clicks[0].image;
-    app.update(Action::Press { at, on: None });
-    app.update(Action::Release);
+    app.update(Action::Pointer(PointerAction::Press { at, on: None }));
+    app.update(Action::Pointer(PointerAction::Release));
     let repeats = |app: &App| now(app).frames[EDITED].repeats.len();
     assert_eq!(repeats(&app), 1);
-    app.update(solved(order));
+    app.update(solved(&order));
     assert_eq!(height_m(now(&app)), 18.5, "it became a step meanwhile");
     app.update(Action::Command(Command::Undo));
     assert_eq!((repeats(&app), height_m(now(&app))), (0, 18.5), "nothing else is taken back");
@@ -278,8 +282,8 @@ fn a_mask_that_is_drawn_meanwhile_stays() {
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).expect("many frames");
     let mask = PixelBox { x: 60.0, y: 40.0, width: 300.0, height: 50.0 };
-    app.update(Action::AddMask { of_camera: true, mask });
-    let again = ordered(app.update(solved(order))).expect("the camera changed meanwhile: it is worked out again");
-    app.update(solved(again));
+    app.update(Action::Edit(EditAction::AddMask { of_camera: true, mask }));
+    let again = ordered(app.update(solved(&order))).expect("the camera changed meanwhile: it is worked out again");
+    app.update(solved(&again));
     assert_eq!((height_m(now(&app)), &now(&app).cameras[0].masks[..]), (18.5, &[mask][..]));
 }

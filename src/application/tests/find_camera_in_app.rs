@@ -8,7 +8,7 @@ use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::CameraSearch;
 use touchline_application::app::operations::camera_search::Left;
 use touchline_application::app::session::{Level, SidePanel};
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline_calibration::calibrate::{
     Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedEvidence, UnclickedFrame,
     UnclickedProgress,
@@ -83,17 +83,17 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         let at = landmark_in(&PtzCamera::new(base(), ptz(1)), landmark);
         Click::landmark(landmark.into(), at)
     };
-    bench.act(Action::GoTo(1));
+    bench.act(Action::Navigate(Navigation::GoTo(1)));
     for click in [placed("centre_mark"), placed("halfway_far")] {
-        bench.act(Action::Pick(click.target.clone().unwrap()));
-        bench.act(Action::Press { at: click.image, on: None });
-        bench.act(Action::Release);
+        bench.act(Action::Edit(EditAction::Pick(click.target.clone().unwrap())));
+        bench.act(Action::Pointer(PointerAction::Press { at: click.image, on: None }));
+        bench.act(Action::Pointer(PointerAction::Release));
     }
-    bench.act(Action::Press { at: ImagePoint::new(100.0, 100.0), on: None });
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(100.0, 100.0), on: None }));
     report(&mut bench, UnclickedAnswer::Found(found(5, 0.0).into()));
     assert!(!has_base(&bench.app), "a drag is not cut in two");
     bench.command(Command::Cancel);
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Release));
     bench.command(Command::Cancel);
     assert!(has_base(&bench.app), "{:?}", bench.app.session.mode);
     assert!(bench.last_notice().starts_with("Camera found: 17.0 m high, 62.0 m"), "{}", bench.last_notice());
@@ -153,7 +153,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     assert!(!has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(), "nothing was changed");
     bench.command(Command::FindCamera);
     bench.report_end::<CameraSearch>(Err(Failure::Broken(Breakdown::Panicked("the rig fell".to_owned()))));
-    let last = bench.app.session.notices.last().unwrap();
+    let last = bench.app.session.messages.notices.last().unwrap();
     assert!(last.level == Level::Error && last.text.contains("the rig fell"), "{last:?}");
 }
 
@@ -201,10 +201,11 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
         };
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
         report(&mut bench, UnclickedAnswer::Two { best, other, deciding: Some(deciding) });
-        bench.act(Action::GoTo(3));
-        bench.act(Action::Pick(touchline_documents::document::Target::Landmark("halfway_far".into())));
-        bench.act(Action::Press { at: ImagePoint::new(at.0, at.1), on: None });
-        bench.act(Action::Release);
+        bench.act(Action::Navigate(Navigation::GoTo(3)));
+        bench
+            .act(Action::Edit(EditAction::Pick(touchline_documents::document::Target::Landmark("halfway_far".into()))));
+        bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(at.0, at.1), on: None }));
+        bench.act(Action::Pointer(PointerAction::Release));
         let found_x_m = bench.app.open().unwrap().document.cameras[0].base().map(|base| base.position_m.x);
         assert_eq!(found_x_m.map(f64::round), x_m, "{at:?}");
         let waits = matches!(bench.app.operations.camera_search.left, Left::Two(_));

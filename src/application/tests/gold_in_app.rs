@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::{Compared, Comparison};
-use touchline_application::app::{Action, Command, Effect, Question};
+use touchline_application::app::{Action, Command, EditAction, Effect, Navigation, PointerAction, Question};
 use touchline_calibration::calibrate::ENOUGH_REPEATS;
 use touchline_calibration::evaluate::agreement;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -38,8 +38,8 @@ fn accepted(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
     }
     let mut bench = Bench::new(document);
     for index in 0..frames {
-        bench.act(Action::GoTo(index));
-        bench.act(Action::Nudge { dx_px: 0.0, dy_px: 0.0, held: false });
+        bench.act(Action::Navigate(Navigation::GoTo(index)));
+        bench.act(Action::Edit(EditAction::Nudge { dx_px: 0.0, dy_px: 0.0, held: false }));
         bench.command(Command::AcceptAndStay);
     }
     bench
@@ -95,18 +95,24 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     {
         assert!(bench.app.why_not(command).is_some(), "{command:?}");
     }
-    for action in [Action::GoTo(3), Action::Select(Some(0)), Action::Pick(Target::Landmark("centre_mark".into()))] {
+    for action in [
+        Action::Navigate(Navigation::GoTo(3)),
+        Action::Navigate(Navigation::Select(Some(0))),
+        Action::Edit(EditAction::Pick(Target::Landmark("centre_mark".into()))),
+    ] {
         bench.act(action);
-        assert!(bench.app.session.frame == 0 && bench.app.session.selected.is_none() && bench.app.round().is_some());
+        assert!(
+            bench.app.session.frame == 0 && bench.app.session.points.selected.is_none() && bench.app.round().is_some()
+        );
     }
     // A press on the label's own click takes hold of nothing; outside of the picture it is none.
     let label = before.frames[0].clicks[0].image;
-    bench.act(Action::Press { at: ImagePoint::new(-5.0, 3.0), on: None });
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(-5.0, 3.0), on: None }));
+    bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(bench.app.round().unwrap().clicked(), 0);
-    bench.act(Action::Press { at: label, on: Some(0) });
-    bench.act(Action::Drag(ImagePoint::new(500.0, 400.0)));
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Press { at: label, on: Some(0) }));
+    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(500.0, 400.0))));
+    bench.act(Action::Pointer(PointerAction::Release));
     let frame = &bench.document().frames[0];
     assert_eq!((frame.repeats[0].image, frame.repeats[0].round), (ImagePoint::new(500.0, 400.0), 1));
     assert_eq!(bench.app.round().unwrap().number(), 2);
@@ -166,8 +172,8 @@ fn another_document_is_compared_on_the_quality_page() {
     let made = bench.app.operations.comparison.made().unwrap();
     assert_eq!((made.agreement.distances.unwrap().count, made.agreement.lone.len()), (9, 0));
     let pair = made.agreement.frames[2].clicks[1].clicks[0];
-    bench.act(Action::LookAt { frame: 2, click: Some(pair) });
-    assert_eq!((bench.app.session.frame, bench.app.session.selected), (2, Some(pair)));
+    bench.act(Action::Navigate(Navigation::LookAt { frame: 2, click: Some(pair) }));
+    assert_eq!((bench.app.session.frame, bench.app.session.points.selected), (2, Some(pair)));
 }
 
 #[test]

@@ -16,7 +16,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Notice, Saving};
-use touchline_application::app::{Action, App, Command, OutsideChoice};
+use touchline_application::app::{
+    Action, App, Command, EditAction, Navigation, OutsideChoice, TrainerReport, ViewAction,
+};
 use touchline_calibration::calibrate::{check_solutions, solve_document};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
@@ -121,7 +123,7 @@ impl World {
             15 => return self.kill(window),
             16 => {
                 self.tell("close");
-                let is_untouched = window.app.session.saving == Saving::Untouched;
+                let is_untouched = window.app.session.disk.saving == Saving::Untouched;
                 leave(&mut window, || Action::CloseRequested);
                 window.runner.close();
                 return self.forget_exposed(is_untouched);
@@ -129,7 +131,7 @@ impl World {
             17 => {
                 self.tell("open another project, and this one again");
                 let (other, here) = (self.other.clone(), self.folder.path().to_path_buf());
-                let is_untouched = window.app.session.saving == Saving::Untouched;
+                let is_untouched = window.app.session.disk.saving == Saving::Untouched;
                 leave(&mut window, || Action::Open(other.clone()));
                 window.wait_until("the other project", |app| app.open().unwrap().document.frames.len() == 1);
                 self.forget_exposed(is_untouched);
@@ -143,14 +145,14 @@ impl World {
 
     fn edit(&mut self, window: &mut Headless) {
         let frame = self.random.random_range(0..FRAMES);
-        window.act(Action::CloseDialog);
-        window.act(Action::GoTo(frame));
+        window.act(Action::View(ViewAction::CloseDialog));
+        window.act(Action::Navigate(Navigation::GoTo(frame)));
         let mark = self.mark();
         self.tell(format!("comment {mark} on {frame}"));
         for taken_back in marks(window.app.frame().unwrap()) {
             self.live.remove(&taken_back);
         }
-        window.act(Action::SetComment(mark.clone()));
+        window.act(Action::Edit(EditAction::SetComment(mark.clone())));
         if self.random.random_range(0..3) == 0 {
             window.act(Action::Command(Command::AcceptAndStay));
         }
@@ -160,7 +162,7 @@ impl World {
 
     fn undo(&mut self, window: &mut Headless) {
         self.tell("undo");
-        window.act(Action::CloseDialog);
+        window.act(Action::View(ViewAction::CloseDialog));
         let before = marks_in(&window.app);
         for _ in 0..2 {
             window.act(Action::Command(Command::Undo));
@@ -178,7 +180,7 @@ impl World {
         let document = window.app.open().unwrap().document.clone();
         let pan_deg = self.random.random_range(-6.0..6.0);
         let proposals = (0..FRAMES).map(|frame| proposal_in(&document, frame, self.made as u64 + 1, Some(pan_deg)));
-        window.act(Action::Proposals(proposals.collect()));
+        window.act(Action::Trainer(TrainerReport::Proposals(proposals.collect())));
         settle(window);
     }
 
@@ -238,9 +240,9 @@ impl World {
         let before = marks_in(&window.app);
         window.act(Action::ResolveOutside(choice));
         if choice == OutsideChoice::TakeTheirs {
-            window.wait_until("the other version", |app| app.session.opening.is_none());
+            window.wait_until("the other version", |app| app.session.disk.opening.is_none());
         } else {
-            window.wait_until("the answer", |app| app.session.changed_outside.is_none());
+            window.wait_until("the answer", |app| app.session.disk.changed_outside.is_none());
         }
         if choice == OutsideChoice::Merge {
             self.take_back_named(window, &before);
@@ -260,16 +262,16 @@ impl World {
     }
 
     fn merge_set_aside(&mut self, window: &mut Headless) {
-        window.act(Action::CloseDialog);
-        let Some(orphan) = window.app.session.orphans.first().map(|orphan| orphan.path.clone()) else { return };
+        window.act(Action::View(ViewAction::CloseDialog));
+        let Some(orphan) = window.app.session.disk.orphans.first().map(|orphan| orphan.path.clone()) else { return };
         self.tell(format!("merge {}", orphan.file_name().unwrap().to_string_lossy()));
         let before = marks_in(&window.app);
-        let told = window.app.session.notices.last().map_or(0, |notice| notice.id);
+        let told = window.app.session.messages.notices.last().map_or(0, |notice| notice.id);
         window.act(Action::MergeOrphan(orphan));
         // What the window holds may be set aside again at once, under the same name; or it was put away with what it replaced.
         let ends = ["The edits are merged", "cannot read"];
         let is_told = |notice: &Notice| notice.id > told && ends.iter().any(|end| notice.text.starts_with(end));
-        window.wait_until("merging", |app| app.session.notices.iter().any(is_told));
+        window.wait_until("merging", |app| app.session.messages.notices.iter().any(is_told));
         self.take_back_named(window, &before);
         settle(window);
     }
@@ -280,7 +282,7 @@ impl World {
         let now = marks_in(&window.app);
         let is_named =
             |text: &str| text.contains("Changed on both sides") || text.contains("Taken from the other version");
-        if window.app.session.notices.iter().any(|notice| is_named(&notice.text)) {
+        if window.app.session.messages.notices.iter().any(|notice| is_named(&notice.text)) {
             self.live.retain(|mark| !before.contains(mark) || now.contains(mark));
         }
     }
@@ -315,7 +317,7 @@ impl World {
 
     /// Once the window has seen what others did, it has kept what it holds.
     fn look(&mut self) {
-        if self.window.as_ref().is_some_and(|window| window.app.session.changed_outside.is_some()) {
+        if self.window.as_ref().is_some_and(|window| window.app.session.disk.changed_outside.is_some()) {
             self.exposed.clear();
         }
     }
@@ -351,14 +353,14 @@ impl World {
 
 /// Waits until all that was done is on disk, or somebody has to decide.
 fn settle(window: &mut Headless) {
-    window.wait_until("the disk", |app| !matches!(app.session.saving, Saving::Pending));
+    window.wait_until("the disk", |app| !matches!(app.session.disk.saving, Saving::Pending));
 }
 
 /// Saves, and waits for the document or for the question whose version it is to be.
 fn save(window: &mut Headless) {
     window.act(Action::Command(Command::Save));
     window.wait_until("saving", |app| {
-        app.session.changed_outside.is_some() || app.open().is_some_and(crate::outside::is_written)
+        app.session.disk.changed_outside.is_some() || app.open().is_some_and(crate::outside::is_written)
     });
 }
 
@@ -367,11 +369,11 @@ fn leave(window: &mut Headless, how: impl Fn() -> Action) {
     settle(window);
     window.act(how());
     let is_asked = |app: &App| matches!(app.session.dialog, Some(Dialog::ChangedOutside | Dialog::NotSaved(_)));
-    if window.app.session.leaving.is_some() {
-        window.wait_until("leaving or a question", |app| app.session.leaving.is_none() || is_asked(app));
+    if window.app.session.disk.leaving.is_some() {
+        window.wait_until("leaving or a question", |app| app.session.disk.leaving.is_none() || is_asked(app));
     }
     if is_asked(&window.app) {
-        window.act(Action::CloseDialog);
+        window.act(Action::View(ViewAction::CloseDialog));
         window.act(how());
         window.act(Action::LeaveUnsaved);
     }

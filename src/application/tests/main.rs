@@ -23,6 +23,7 @@ mod seeded;
 mod app;
 mod around_the_field;
 mod bulk_in_app;
+mod burnt_in_in_app;
 mod find_camera_in_app;
 mod gold_in_app;
 mod journal;

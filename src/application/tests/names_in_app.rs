@@ -2,7 +2,9 @@
 
 use crate::seeded::{self, normal};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline_application::app::{
+    Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
+};
 use touchline_calibration::calibrate::{FrameLookup, calibrate};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -90,7 +92,7 @@ fn a_swap_is_marked_compared_and_mended_in_one_step() {
     assert!(app.why_not(Command::MendNames).is_some(), "there is nothing left to mend");
     app.update(Action::Command(Command::Undo));
     assert_eq!(names(&app), before);
-    assert_eq!(app.session.notices.last().unwrap().text, "Undone: Swap points 2 and 3.");
+    assert_eq!(app.session.messages.notices.last().unwrap().text, "Undone: Swap points 2 and 3.");
 }
 
 #[test]
@@ -192,7 +194,7 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     assert_eq!(app.current().judgement.as_ref().unwrap().verdict, Verdict::Wrong);
     app.update(Action::Command(Command::Accept));
     assert_eq!((app.session.frame, app.frame().unwrap().status), (0, FrameStatus::Draft), "it asks first");
-    let notice = app.session.notices.last().unwrap();
+    let notice = app.session.messages.notices.last().unwrap();
     let offers: Vec<_> = notice.offers.iter().map(|(says, _)| *says).collect();
     assert_eq!(offers, ["Swap", "Accept anyway"], "{}", notice.text);
     assert!(notice.text.starts_with("Point ") && notice.text.ends_with("px off."), "{}", notice.text);
@@ -205,8 +207,8 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     // Enter twice says the same; after a change it is asked again.
     let mut app = opened(document);
     app.update(Action::Command(Command::AcceptAndStay));
-    app.update(Action::Select(Some(0)));
-    app.update(Action::Nudge { dx_px: 0.1, dy_px: 0.0, held: false });
+    app.update(Action::Navigate(Navigation::Select(Some(0))));
+    app.update(Action::Edit(EditAction::Nudge { dx_px: 0.1, dy_px: 0.0, held: false }));
     app.update(Action::Command(Command::AcceptAndStay));
     assert_eq!(app.frame().unwrap().status, FrameStatus::Draft);
     app.update(Action::Command(Command::AcceptAndStay));
@@ -245,16 +247,16 @@ fn a_name_in_use_is_found_by_typing_it_and_taking_it_swaps_the_two() {
     document.frames.push(swapped().into());
     let mut app = opened(document);
     let before = names(&app);
-    app.update(Action::Select(Some(1)));
+    app.update(Action::Navigate(Navigation::Select(Some(1))));
     app.update(Action::Command(Command::RenameClick));
     let offered = |app: &App| match &app.session.mode {
         Mode::Naming(naming) => naming.offered().iter().map(|name| (name.code.clone(), name.in_use)).collect(),
         _ => Vec::new(),
     };
     assert!(offered(&app).iter().all(|(_, in_use)| in_use.is_none()), "names in use are not offered unasked");
-    app.update(Action::TypeName("cm".to_owned()));
+    app.update(Action::Navigate(Navigation::TypeName("cm".to_owned())));
     assert_eq!(offered(&app)[0], ("cm".to_owned(), Some(2)));
-    app.update(Action::TakeName(0));
+    app.update(Action::Edit(EditAction::TakeName(0)));
     let mut swapped = before.clone();
     swapped.swap(1, 2);
     assert_eq!((names(&app), &app.session.mode), (swapped, &Mode::Idle));
@@ -269,18 +271,21 @@ fn what_nothing_painted_marks_is_not_offered_before_a_base_and_warned_of_when_ty
     document.frames.push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
     let mut app = opened(document);
     let place = |app: &mut App, x: f64| {
-        app.update(Action::Press { at: touchline_core::geometry::ImagePoint::new(x, 500.0), on: None });
-        app.update(Action::Release);
+        app.update(Action::Pointer(PointerAction::Press {
+            at: touchline_core::geometry::ImagePoint::new(x, 500.0),
+            on: None,
+        }));
+        app.update(Action::Pointer(PointerAction::Release));
     };
     place(&mut app, 700.0);
     let Mode::Naming(naming) = &app.session.mode else { panic!("{:?}", app.session.mode) };
     let of = |id: &str| naming.candidates.iter().find(|name| name.target.as_str() == id).unwrap();
     assert!(of("centre_circle_left").hidden && of("penalty_arc_apex_right").hidden && !of("centre_mark").hidden);
     assert_eq!(of("centre_circle_left").label, "Centre circle, left, level with its middle");
-    app.update(Action::TypeName("ccl".to_owned()));
-    app.update(Action::TakeName(0));
+    app.update(Action::Navigate(Navigation::TypeName("ccl".to_owned())));
+    app.update(Action::Edit(EditAction::TakeName(0)));
     assert_eq!(names(&app), ["centre_circle_left"]);
-    let warned = app.session.notices.last().unwrap();
+    let warned = app.session.messages.notices.last().unwrap();
     assert!(warned.text.contains("is not where the curve looks widest"), "{}", warned.text);
     // With a base it is a name like others.
     let mut document = project();

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
-use touchline_application::app::{Action, Command, OutsideChoice, Question};
+use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, Question, ViewAction};
 use touchline_application::jobs::Request;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FieldSpec, Frame};
@@ -25,12 +25,12 @@ fn new_project() -> (TempDir, PathBuf) {
 
 /// Writes a comment on a frame.
 fn comment(headless: &mut Headless, frame: usize, text: &str) {
-    headless.act(Action::GoTo(frame));
-    headless.act(Action::SetComment(text.to_owned()));
+    headless.act(Action::Navigate(Navigation::GoTo(frame)));
+    headless.act(Action::Edit(EditAction::SetComment(text.to_owned())));
 }
 
 fn wait_until_saved(headless: &mut Headless) {
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
 }
 
 fn comments(document: &Document) -> Vec<String> {
@@ -52,7 +52,7 @@ fn with_a_refusing_disk(root: &TempDir, path: &Path) -> (Headless, PathBuf) {
     let away = root.path().join("away");
     fs::rename(path, &away).unwrap();
     comment(&mut headless, 0, "only in memory");
-    headless.wait_until("the refusal", |app| matches!(app.session.saving, Saving::Failed { .. }));
+    headless.wait_until("the refusal", |app| matches!(app.session.disk.saving, Saving::Failed { .. }));
     (headless, away)
 }
 
@@ -66,7 +66,7 @@ fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
             headless.act(close());
             assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
             assert!(!headless.requests.contains(&Request::Close), "nothing goes unasked");
-            headless.act(Action::CloseDialog);
+            headless.act(Action::View(ViewAction::CloseDialog));
         }
         headless.act(close());
         headless.act(Action::LeaveUnsaved);
@@ -92,7 +92,7 @@ fn a_disk_that_takes_again_what_it_refused_lets_the_window_close() {
     let (mut headless, away) = with_a_refusing_disk(&root, &path);
     fs::rename(away, &path).unwrap();
     headless.act(Action::CloseRequested);
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     headless.wait_until("closing", |app| app.session.dialog.is_none());
     assert!(headless.requests.contains(&Request::Close));
     assert!(headless.runner.close().is_empty());
@@ -105,7 +105,8 @@ fn a_copy_elsewhere_holds_everything() {
     let (mut headless, _) = with_a_refusing_disk(&root, &path);
     let copy = root.path().join("copy");
     headless.answer(Question::CopyTo, &copy);
-    headless.wait_until("the copy", |app| app.session.notices.iter().any(|n| n.text.starts_with("Copy written")));
+    headless
+        .wait_until("the copy", |app| app.session.messages.notices.iter().any(|n| n.text.starts_with("Copy written")));
     assert_eq!(comments(&read(&copy).unwrap().1)[0], "only in memory");
     headless.act(Action::CloseRequested);
     assert!(headless.requests.contains(&Request::Close) && headless.app.session.dialog.is_none());
@@ -118,7 +119,7 @@ fn opening_another_document_asks_as_well() {
     let (mut headless, _) = with_a_refusing_disk(&root, &path);
     headless.act(Action::Open(other.clone()));
     assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Open(other.clone()))));
-    assert!(headless.app.session.opening.is_none());
+    assert!(headless.app.session.disk.opening.is_none());
     headless.act(Action::LeaveUnsaved);
     headless.wait_until("opening", |app| app.open().unwrap().file.starts_with(fs::canonicalize(&other).unwrap()));
 }
@@ -130,8 +131,8 @@ fn the_document_that_is_open_is_not_opened_again() {
     comment(&mut headless, 1, "mine");
     for way in [path.clone(), path.join("project.json"), path.join("../match/project.json")] {
         headless.act(Action::Open(way));
-        headless.wait_until("the word", |app| app.session.opening.is_none());
-        let notice = headless.app.session.notices.last().unwrap();
+        headless.wait_until("the word", |app| app.session.disk.opening.is_none());
+        let notice = headless.app.session.messages.notices.last().unwrap();
         assert!(notice.text.ends_with("project.json is already open."), "{}", notice.text);
         assert_eq!(headless.app.open().unwrap().read_only, None);
     }
@@ -161,7 +162,7 @@ fn changes_of_another_program_are_merged() {
     let (_root, path) = new_project();
     let mut headless = changed_outside(&path);
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
-    headless.wait_until("merging", |app| app.session.changed_outside.is_none());
+    headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     assert_eq!(comments(&headless.app.open().unwrap().document), ["mine", "theirs", ""]);
     assert_eq!(comments(&read(&path).unwrap().1), ["mine", "theirs", ""]);
     assert_eq!(kept_version(&path), ["", "theirs", ""]);
@@ -173,12 +174,12 @@ fn changes_of_another_program_are_merged() {
 fn a_version_of_another_program_is_replaced_and_kept_beside() {
     let (_root, path) = new_project();
     let mut headless = changed_outside(&path);
-    headless.act(Action::CloseDialog);
+    headless.act(Action::View(ViewAction::CloseDialog));
     headless.act(Action::CloseRequested);
     assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)), "nothing goes unasked");
     headless.act(Action::AskOutside);
     headless.act(Action::ResolveOutside(OutsideChoice::Replace));
-    headless.wait_until("replacing", |app| app.session.changed_outside.is_none());
+    headless.wait_until("replacing", |app| app.session.disk.changed_outside.is_none());
     assert_eq!(comments(&read(&path).unwrap().1), ["mine", "", ""]);
     assert_eq!(kept_version(&path), ["", "theirs", ""]);
 }
@@ -190,18 +191,20 @@ fn edits_that_were_set_aside_are_taken_in_later_or_become_a_document() {
     headless.act(Action::ResolveOutside(OutsideChoice::TakeTheirs));
     headless.wait_until("the other version", |app| app.open().unwrap().document.frames[1].comment.is_some());
     assert_eq!(comments(&headless.app.open().unwrap().document), ["", "theirs", ""]);
-    let [orphan] = &headless.app.session.orphans[..] else { panic!("{:?}", headless.app.session.orphans) };
+    let [orphan] = &headless.app.session.disk.orphans[..] else { panic!("{:?}", headless.app.session.disk.orphans) };
     let orphan = orphan.path.clone();
-    assert!(headless.app.session.notices.iter().any(|n| n.text.starts_with("1 edit of another version")));
+    assert!(headless.app.session.messages.notices.iter().any(|n| n.text.starts_with("1 edit of another version")));
     headless.act(Action::SaveOrphan(orphan.clone()));
-    headless.wait_until("the document", |app| app.session.notices.iter().any(|n| n.text.contains(".recovered-1.json")));
+    headless.wait_until("the document", |app| {
+        app.session.messages.notices.iter().any(|n| n.text.contains(".recovered-1.json"))
+    });
     headless.act(Action::MergeOrphan(orphan));
-    headless.wait_until("taking in", |app| app.session.orphans.is_empty());
+    headless.wait_until("taking in", |app| app.session.disk.orphans.is_empty());
     assert_eq!(comments(&headless.app.open().unwrap().document), ["mine", "theirs", ""]);
     wait_until_saved(&mut headless);
     assert!(headless.runner.close().is_empty());
     let again = Headless::opened(&path);
-    assert!(again.app.session.orphans.is_empty(), "offered once");
+    assert!(again.app.session.disk.orphans.is_empty(), "offered once");
     let recovered = comments(&read(&path.join("project.json.recovered-1.json")).unwrap().1);
     assert_eq!(recovered[0], "mine");
 }

@@ -22,11 +22,11 @@ fn open_another(bench: &mut Bench, jobs: &[Job]) {
     assert!(jobs.iter().all(|job| !job.is_cancelled()), "{jobs:?}");
     bench.act(Action::Opened(Box::new(Opened::new(blank(1), "/elsewhere/project.json"))));
     assert!(jobs.iter().all(Job::is_cancelled), "{jobs:?}");
-    let before = bench.app.session.notices.len();
+    let before = bench.app.session.messages.notices.len();
     for job in jobs {
         bench.act(Action::Report(job.panicked("too late".to_owned())));
     }
-    assert_eq!(bench.app.session.notices.len(), before, "{:?}", bench.app.session.notices);
+    assert_eq!(bench.app.session.messages.notices.len(), before, "{:?}", bench.app.session.messages.notices);
 }
 
 #[test]
@@ -37,7 +37,8 @@ fn another_document_ends_a_comparison_and_what_runs_unasked() {
     bench.act(Action::Compare("/other/project.json".into()));
     assert!(bench.app.operations.comparison.is_running());
     let started = jobs(&bench.effects);
-    assert_eq!(names(&started), ["line check", Comparison::NAME]);
+    let unasked = if cfg!(feature = "opencv") { &["burned-in graphics", "line check"][..] } else { &["line check"] };
+    assert_eq!(names(&started), [unasked, &[Comparison::NAME]].concat());
     open_another(&mut bench, &started);
     assert!(!bench.app.operations.comparison.is_running());
 }
@@ -71,4 +72,20 @@ fn another_document_ends_the_search_for_a_camera() {
     let started = vec![bench.started::<CameraSearch>()];
     open_another(&mut bench, &started);
     assert!(bench.app.operations.camera_search.running().is_none());
+}
+
+#[test]
+fn another_document_ends_a_look_at_an_export_and_its_writing() {
+    use touchline_application::app::operations::transfer::{TransferLook, TransferWrite};
+    use touchline_application::app::{Command, Question};
+    let mut bench = Bench::new(suggested(&[Some(0.9)]));
+    bench.command(Command::Export);
+    assert!(bench.app.operations.transfer.is_looking());
+    let look = bench.started::<TransferLook>();
+    open_another(&mut bench, &[look]);
+    bench.act(Action::Answer(Question::DatasetTo, "/elsewhere/set".into()));
+    let write = bench.started::<TransferWrite>();
+    open_another(&mut bench, &[write]);
+    let transfer = &bench.app.operations.transfer;
+    assert!(!transfer.is_looking() && transfer.writing().is_none());
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
-use touchline_application::app::{Action, Command, OutsideChoice};
+use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, PointerAction, ViewAction};
 use touchline_application::jobs::Request;
 use touchline_calibration::calibrate::check_solutions;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -32,13 +32,13 @@ pub fn new_project(frames: usize) -> (TempDir, PathBuf) {
 
 /// Clicks two landmarks in a frame and accepts it.
 pub fn accept(headless: &mut Headless, frame: usize, pan_deg: f64) {
-    headless.act(Action::GoTo(frame));
+    headless.act(Action::Navigate(Navigation::GoTo(frame)));
     let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -14.0, 2300.0));
     for landmark in ["centre_mark", "halfway_far"] {
-        headless.act(Action::Press { at: landmark_in(&camera, landmark), on: None });
-        headless.act(Action::Release);
+        headless.act(Action::Pointer(PointerAction::Press { at: landmark_in(&camera, landmark), on: None }));
+        headless.act(Action::Pointer(PointerAction::Release));
         let click = headless.app.frame().unwrap().clicks.len() - 1;
-        headless.act(Action::Name { click, target: Target::Landmark(landmark.into()) });
+        headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
     }
     headless.act(Action::Command(Command::AcceptAndStay));
     assert_eq!(headless.app.open().unwrap().document.frames[frame].status, FrameStatus::Reference);
@@ -46,8 +46,8 @@ pub fn accept(headless: &mut Headless, frame: usize, pan_deg: f64) {
 
 fn save(headless: &mut Headless) {
     let whole = |app: &touchline_application::app::App| {
-        app.session.changed_outside.is_some()
-            || matches!(app.session.saving, Saving::Saved { .. }) && app.open().is_some_and(is_written)
+        app.session.disk.changed_outside.is_some()
+            || matches!(app.session.disk.saving, Saving::Saved { .. }) && app.open().is_some_and(is_written)
     };
     headless.act(Action::Command(Command::Save));
     headless.wait_until("saving", whole);
@@ -101,12 +101,12 @@ fn replace_it_replaces_what_another_program_wrote_although_nothing_was_edited_si
     let theirs = fs::read(path.join("project.json")).unwrap();
     ask(&mut headless);
     headless.act(Action::ResolveOutside(OutsideChoice::Replace));
-    headless.wait_until("replacing", |app| app.session.changed_outside.is_none());
+    headless.wait_until("replacing", |app| app.session.disk.changed_outside.is_none());
     assert_eq!(on_disk(&path).frames, headless.app.open().unwrap().document.frames);
     assert_eq!(statuses(&on_disk(&path)), [FrameStatus::Reference, FrameStatus::New]);
     assert_eq!(fs::read(path.join("project.json.outside-1")).unwrap(), theirs);
     assert!(!path.join("project.json.mine-1").exists(), "the document holds it");
-    assert!(headless.app.session.orphans.is_empty());
+    assert!(headless.app.session.disk.orphans.is_empty());
 }
 
 #[test]
@@ -116,21 +116,21 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     ask(&mut headless);
     let own = document_from_bytes(&fs::read(path.join("project.json.mine-1")).unwrap()).unwrap();
     assert_eq!(own.frames, headless.app.open().unwrap().document.frames);
-    let listed: Vec<_> = headless.app.session.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
+    let listed: Vec<_> = headless.app.session.disk.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
     assert_eq!(listed, ["Changes in 0.jpg"]);
     // Edits that come after it are kept as well.
-    headless.act(Action::CloseDialog);
-    headless.act(Action::GoTo(1));
-    headless.act(Action::SetComment("mine".to_owned()));
+    headless.act(Action::View(ViewAction::CloseDialog));
+    headless.act(Action::Navigate(Navigation::GoTo(1)));
+    headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
     headless.act(Action::ResolveOutside(OutsideChoice::TakeTheirs));
     headless.wait_until("the other version", |app| {
         app.open().unwrap().document.frames[1].comment.as_deref() == Some("theirs")
     });
-    let [orphan] = &headless.app.session.orphans[..] else { panic!("{:?}", headless.app.session.orphans) };
+    let [orphan] = &headless.app.session.disk.orphans[..] else { panic!("{:?}", headless.app.session.disk.orphans) };
     assert_eq!(orphan.edits, ["Changes in 0.jpg", "Changes in 1.jpg"]);
     let orphan = orphan.path.clone();
     headless.act(Action::MergeOrphan(orphan));
-    headless.wait_until("merging", |app| app.session.orphans.is_empty());
+    headless.wait_until("merging", |app| app.session.disk.orphans.is_empty());
     let document = &headless.app.open().unwrap().document;
     assert_eq!((document.frames[0].status, document.frames[0].clicks.len()), (FrameStatus::Reference, 2));
     assert_eq!(document.frames[1].comment.as_deref(), Some("mine"), "both wrote one: the edits win");
@@ -143,11 +143,11 @@ fn merging_with_an_earlier_state_keeps_what_was_saved_since() {
     let mut headless = set_back(&path);
     ask(&mut headless);
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
-    headless.wait_until("merging", |app| app.session.changed_outside.is_none());
+    headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     let document = on_disk(&path);
     assert_eq!((document.frames[0].status, document.frames[0].clicks.len()), (FrameStatus::Reference, 2));
     assert_eq!(document.frames[1].comment.as_deref(), Some("theirs"));
-    assert!(headless.app.session.offers(Command::Undo), "{:?}", headless.app.session.notices);
+    assert!(headless.app.session.offers(Command::Undo), "{:?}", headless.app.session.messages.notices);
 }
 
 #[test]
@@ -163,9 +163,9 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
         let mut headless = set_back(&path);
         headless.act(leave());
         headless.wait_until("the question", |app| app.session.dialog == Some(Dialog::ChangedOutside));
-        assert!(headless.app.session.opening.is_none() && !headless.requests.contains(&Request::Close));
+        assert!(headless.app.session.disk.opening.is_none() && !headless.requests.contains(&Request::Close));
         assert!(path.join("project.json.mine-1").exists());
-        headless.act(Action::CloseDialog);
+        headless.act(Action::View(ViewAction::CloseDialog));
         headless.act(leave());
         assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(leaving.clone())), "nothing goes unasked");
         headless.act(Action::LeaveUnsaved);
@@ -176,7 +176,7 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
             headless.wait_until("opening", |app| app.open().unwrap().document.frames.len() == 1);
         }
         let again = Headless::opened(&path);
-        let listed: Vec<_> = again.app.session.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
+        let listed: Vec<_> = again.app.session.disk.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
         assert_eq!(listed, ["Changes in 0.jpg"]);
     }
 }
@@ -205,9 +205,9 @@ fn a_proposal_beats_no_label_of_another_person() {
     let (_root, path) = new_project(3);
     write_outside(&path, |document| document.frames.iter_mut().for_each(|frame| propose(frame)));
     let mut headless = Headless::opened(&path);
-    headless.act(Action::GoTo(2));
-    headless.act(Action::SetComment("mine".to_owned()));
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.act(Action::Navigate(Navigation::GoTo(2)));
+    headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     // The colleague accepts the first two.
     let accepted = {
         let (_root, path) = new_project(3);
@@ -223,7 +223,7 @@ fn a_proposal_beats_no_label_of_another_person() {
     });
     ask(&mut headless);
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
-    headless.wait_until("merging", |app| app.session.changed_outside.is_none());
+    headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     let document = on_disk(&path);
     assert_eq!(statuses(&document), [FrameStatus::Reference, FrameStatus::Reference, FrameStatus::Suggested]);
     assert_eq!((document.frames[0].clicks.len(), document.frames[2].comment.as_deref()), (2, Some("mine")));
@@ -234,12 +234,12 @@ fn a_reference_is_solved_again_where_the_merge_takes_another_base() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::opened(&path);
     accept(&mut headless, 0, -4.0);
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let moved = CameraBase { position_m: Vec3::new(6.0, -60.0, 19.0), ..base() };
     write_outside(&path, |document| document.cameras[0].set_base(&moved));
     ask(&mut headless);
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
-    headless.wait_until("merging", |app| app.session.changed_outside.is_none());
+    headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     let document = on_disk(&path);
     assert_eq!(document.cameras[0].base().unwrap().position_m, moved.position_m);
     assert_eq!(document.frames[0].status, FrameStatus::Reference);

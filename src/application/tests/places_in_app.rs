@@ -1,7 +1,7 @@
 //! Going to a frame by its number or its time in the application: numbers are those of the video's frames.
 
 use touchline_application::app::place::Place;
-use touchline_application::app::{Action, App, Opened, Settings, VideoAction};
+use touchline_application::app::{Action, App, Navigation, Opened, Settings};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame, VideoFrame};
 
@@ -22,9 +22,9 @@ fn sampled() -> App {
 
 /// The number of the frame that is shown after going to a place, and what was said.
 fn shown(app: &mut App, place: &str) -> (u64, String) {
-    app.session.notices.clear();
-    app.update(Action::Video(VideoAction::GoToPlace(place.parse::<Place>().unwrap())));
-    let said = app.session.notices.iter().map(|notice| notice.text.clone()).collect();
+    app.session.messages.notices.clear();
+    app.update(Action::Navigate(Navigation::GoToPlace(place.parse::<Place>().unwrap())));
+    let said = app.session.messages.notices.iter().map(|notice| notice.text.clone()).collect();
     (app.open().unwrap().frame_number(app.session.frame), said)
 }
 
@@ -42,7 +42,7 @@ fn a_number_is_that_of_the_videos_frame() {
 #[test]
 fn a_number_is_looked_for_in_the_video_that_is_shown() {
     let mut app = sampled();
-    app.update(Action::GoTo(24));
+    app.update(Action::Navigate(Navigation::GoTo(24)));
     assert_eq!(shown(&mut app, "7"), (7, String::new()));
     assert_eq!(app.session.frame, 27);
     assert_eq!(app.open().unwrap().numbers_beside(27), (0, 9));

@@ -3,7 +3,7 @@
 use crate::bench::{Bench, SIZE, base};
 use touchline_application::app::quality::TimeAxis;
 use touchline_application::app::session::SidePanel;
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, EditAction, Navigation, ViewAction};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::Verdict;
@@ -43,16 +43,16 @@ fn an_accepted_frame_off_its_neighbours_way_is_to_be_looked_at() {
         frame.clicks.clear();
     }
     let mut bench = Bench::new(document);
-    bench.act(Action::GoTo(8));
+    bench.act(Action::Navigate(Navigation::GoTo(8)));
     let judgement = bench.app.judgement().unwrap();
     assert_eq!(judgement.verdict, Verdict::Check);
     assert!(judgement.reason.ends_with("px off the way between the frames before and after it"), "{judgement:?}");
-    bench.act(Action::GoTo(6));
+    bench.act(Action::Navigate(Navigation::GoTo(6)));
     assert_eq!(bench.app.judgement(), None, "nothing speaks against it, nor for it");
-    bench.act(Action::GoTo(8));
-    bench.act(Action::BeginEdit("Pan"));
-    bench.act(Action::EditPtz(Ptz::from_degrees(0.8, -12.0, 2000.0)));
-    bench.act(Action::EndEdit);
+    bench.act(Action::Navigate(Navigation::GoTo(8)));
+    bench.act(Action::Edit(EditAction::Begin("Pan")));
+    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.8, -12.0, 2000.0))));
+    bench.act(Action::Edit(EditAction::End));
     assert!(!bench.app.judgement().unwrap().reason.contains("px off"), "{:?}", bench.app.judgement());
 }
 
@@ -64,12 +64,12 @@ fn nothing_is_derived_while_the_page_is_closed_and_what_changes_is_derived_again
     assert_eq!(bench.app.quality().camera, Some("main".into()));
     assert_eq!((bench.app.quality().course.points.len(), pan(&bench, 4)), (10, 300));
     assert_eq!(bench.app.quality().course.standing_out, [4]);
-    bench.act(Action::LookAt { frame: 8, click: Some(0) });
+    bench.act(Action::Navigate(Navigation::LookAt { frame: 8, click: Some(0) }));
     assert!(!bench.app.session.quality.open && bench.app.quality().course.points.is_empty());
-    assert_eq!((bench.app.session.frame, bench.app.session.selected), (8, Some(0)));
-    bench.act(Action::BeginEdit("Pan"));
-    bench.act(Action::EditPtz(Ptz::from_degrees(0.8, -12.0, 2000.0)));
-    bench.act(Action::EndEdit);
+    assert_eq!((bench.app.session.frame, bench.app.session.points.selected), (8, Some(0)));
+    bench.act(Action::Edit(EditAction::Begin("Pan")));
+    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.8, -12.0, 2000.0))));
+    bench.act(Action::Edit(EditAction::End));
     bench.command(Command::QualityPage);
     assert_eq!(pan(&bench, 4), 8);
     assert!(bench.app.quality().course.standing_out.is_empty());
@@ -78,14 +78,14 @@ fn nothing_is_derived_while_the_page_is_closed_and_what_changes_is_derived_again
 #[test]
 fn the_page_speaks_of_one_camera_and_another_document_closes_it() {
     let mut bench = Bench::new(document());
-    bench.act(Action::GoTo(3));
+    bench.act(Action::Navigate(Navigation::GoTo(3)));
     bench.command(Command::QualityPage);
     assert_eq!(bench.app.quality().camera, Some("high".into()), "the shown frame's");
-    bench.act(Action::SetQualityCamera("main".into()));
+    bench.act(Action::View(ViewAction::SetQualityCamera("main".into())));
     assert_eq!(bench.app.quality().course.points[1].frame, 2);
-    bench.act(Action::SetQualityCamera("gone".into()));
+    bench.act(Action::View(ViewAction::SetQualityCamera("gone".into())));
     assert_eq!(bench.app.quality().camera, Some("high".into()));
-    bench.act(Action::SetTimeAxis(TimeAxis::Video));
+    bench.act(Action::View(ViewAction::SetTimeAxis(TimeAxis::Video)));
     assert_eq!(bench.app.quality().course.axis, TimeAxis::Frame, "no frame knows a time");
     bench.act(Action::Opened(Box::new(touchline_application::app::Opened::new(document(), "/nowhere/other.json"))));
     assert!(!bench.app.session.quality.open && bench.app.quality().camera.is_none());
@@ -94,7 +94,7 @@ fn the_page_speaks_of_one_camera_and_another_document_closes_it() {
 #[test]
 fn keys_of_the_picture_sleep_and_those_of_the_time_go_on() {
     let mut bench = Bench::new(document());
-    bench.act(Action::Select(Some(0)));
+    bench.act(Action::Navigate(Navigation::Select(Some(0))));
     bench.command(Command::QualityPage);
     let before = bench.app.open().unwrap().document.clone();
     for command in [Command::DeleteClick, Command::Accept, Command::Reject, Command::ToggleCheck, Command::EstimateBase]
@@ -103,7 +103,7 @@ fn keys_of_the_picture_sleep_and_those_of_the_time_go_on() {
         assert_eq!(bench.last_notice(), "Close the quality page first.", "{command:?}");
     }
     assert_eq!(bench.app.open().unwrap().document.clone(), before);
-    bench.act(Action::GoTo(10));
+    bench.act(Action::Navigate(Navigation::GoTo(10)));
     bench.command(Command::ZoomIn);
     let [from, upto] = bench.app.session.quality.span.unwrap();
     assert!(from < 11.0 && 11.0 < upto && upto - from < 10.0, "{from} {upto}");
@@ -111,7 +111,7 @@ fn keys_of_the_picture_sleep_and_those_of_the_time_go_on() {
     assert!(bench.app.session.quality.open);
     bench.command(Command::ZoomOut);
     assert_eq!(bench.app.session.quality.span, None);
-    bench.act(Action::ShowSpan(Some([5.0, f64::NAN])));
+    bench.act(Action::View(ViewAction::ShowSpan(Some([5.0, f64::NAN]))));
     assert_eq!(bench.app.session.quality.span, None);
 }
 

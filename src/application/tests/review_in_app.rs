@@ -6,7 +6,9 @@ use std::sync::Arc;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::review::ReviewOrder;
 use touchline_application::app::session::{Dialog, Filter, Mode, SidePanel};
-use touchline_application::app::{Action, Command, Effect};
+use touchline_application::app::{
+    Action, Command, EditAction, Effect, Navigation, PointerAction, TrainerReport, ViewAction,
+};
 use touchline_calibration::proposals::{Asked, Proposal};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
@@ -44,7 +46,7 @@ impl Bench {
         self.click(self.point_of(landmark));
         if let Mode::Naming(naming) = &self.app.session.mode {
             let click = naming.click;
-            self.act(Action::Name { click, target: Target::Landmark(landmark.into()) });
+            self.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
         }
     }
 
@@ -68,7 +70,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     assert_eq!(accepted.status, FrameStatus::Reference);
     assert_eq!(accepted.solution.as_ref().unwrap().source, Some(SolutionSource::Forest));
     assert!(!accepted.is_used_for_training(), "a label that is not used for training");
-    bench.act(Action::SetReviewOrder(ReviewOrder::Time));
+    bench.act(Action::View(ViewAction::SetReviewOrder(ReviewOrder::Time)));
     assert_eq!(bench.listed(), [0, 3, 4]);
     bench.command(Command::Accept);
     bench.command(Command::Accept);
@@ -76,7 +78,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     assert_eq!(bench.statuses(), "RRNRR");
     assert_eq!(bench.last_notice(), "Accepted (not used for training), 1 to do.");
     assert_eq!(bench.app.session.frame, 2, "what has no answer is to do as well");
-    bench.act(Action::GoTo(1));
+    bench.act(Action::Navigate(Navigation::GoTo(1)));
     assert_eq!(bench.said(), "1 frame has no answer: label frame 2, near pan\u{a0}−4°.");
     bench.command(Command::NextUnanswered);
     assert_eq!(bench.app.session.frame, 2, "the very frame that the sentence names");
@@ -98,27 +100,27 @@ fn several_are_accepted_in_one_step_after_a_preview() {
     let mut bench = Bench::new(suggested(&[Some(0.7), Some(0.99), None, Some(0.96), Some(0.8)]));
     bench.command(Command::AcceptAllAbove);
     assert_eq!(bench.app.session.dialog, Some(Dialog::AcceptAll));
-    bench.act(Action::SetReviewThreshold(0.75));
+    bench.act(Action::View(ViewAction::SetReviewThreshold(0.75)));
     let taken = |bench: &Bench| bench.app.bulk_accept().taken().map(|row| row.frame).collect::<Vec<_>>();
     assert_eq!(taken(&bench), [4, 3, 1], "the least certain first");
     // What follows from it is worked out once for each change.
     let sheet = |bench: &Bench| bench.app.accept_sheet().map(Arc::clone);
     let before = sheet(&bench).unwrap();
     assert!((before.expected_wrong.mean - 0.25).abs() < 1e-9, "{:?}", before.expected_wrong);
-    bench.act(Action::Hover(None));
+    bench.act(Action::Pointer(PointerAction::Hover(None)));
     assert!(Arc::ptr_eq(&before, &sheet(&bench).unwrap()));
-    bench.act(Action::TickSuggestion { frame: 3, ticked: false });
+    bench.act(Action::View(ViewAction::TickSuggestion { frame: 3, ticked: false }));
     assert_eq!(taken(&bench), [4, 1]);
     assert!((sheet(&bench).unwrap().expected_wrong.mean - 0.21).abs() < 1e-9);
-    bench.act(Action::TickSuggestion { frame: 3, ticked: true });
-    bench.act(Action::AcceptAll);
+    bench.act(Action::View(ViewAction::TickSuggestion { frame: 3, ticked: true }));
+    bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!((bench.statuses().as_str(), sheet(&bench)), ("SRNRR", None));
     assert_eq!(bench.effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count(), 1);
     assert!(bench.last_notice().starts_with("3 suggestions accepted."), "{}", bench.last_notice());
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "SSNSS");
-    bench.act(Action::SetReviewThreshold(0.999));
-    bench.act(Action::AcceptAll);
+    bench.act(Action::View(ViewAction::SetReviewThreshold(0.999)));
+    bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "SSNSS", "none is that certain");
 }
 
@@ -130,11 +132,11 @@ fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
     bench.command(Command::AcceptAllAbove);
     let rows = &bench.app.review().rows;
     assert!(rows.iter().find(|row| row.frame == 2).unwrap().apart_px().unwrap() > 300.0, "{rows:?}");
-    bench.act(Action::AcceptAll);
+    bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRSRR");
     bench.command(Command::AcceptAllAbove);
-    bench.act(Action::SetWithDisagreeing(true));
-    bench.act(Action::AcceptAll);
+    bench.act(Action::View(ViewAction::SetWithDisagreeing(true)));
+    bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRRRR");
 }
 
@@ -143,20 +145,20 @@ fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.9)]));
     let before = bench.frames()[0].clone();
     let at = bench.point_of("centre_mark");
-    bench.act(Action::Press { at: ImagePoint::new(at.x + 9.0, at.y), on: None });
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(at.x + 9.0, at.y), on: None }));
+    bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(bench.statuses(), "DS");
     assert_eq!(bench.frames()[0].clicks[0].target, Some(Target::Landmark("centre_mark".into())), "named by itself");
     let moved = bench.app.current().camera.unwrap().ptz();
     assert!((moved.pan - truth(0).pan).degrees() < -0.1 && (moved.focal_px - 2300.0).abs() < 5.0, "{moved:?}");
-    bench.act(Action::DeleteClick(0));
+    bench.act(Action::Edit(EditAction::DeleteClick(0)));
     assert_eq!(bench.frames()[0].status, FrameStatus::Suggested);
     assert_eq!(bench.frames()[0].ptz, before.ptz);
     bench.command(Command::Undo);
     bench.command(Command::AcceptAndStay);
     assert!(!bench.frames()[0].is_used_for_training(), "one click moves a proposal, but it stays one");
     bench.command(Command::Undo);
-    bench.act(Action::DeleteClick(0));
+    bench.act(Action::Edit(EditAction::DeleteClick(0)));
     bench.label("centre_mark");
     bench.label("halfway_far");
     let corrected = &bench.frames()[0];
@@ -175,9 +177,9 @@ fn a_rejected_suggestion_comes_back_as_one() {
     let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.8), Some(0.7)]));
     bench.command(Command::ReviewPanel);
     bench.command(Command::Reject);
-    bench.act(Action::RejectAs(RejectReason::Replay));
+    bench.act(Action::Edit(EditAction::RejectAs(RejectReason::Replay)));
     assert_eq!((bench.statuses().as_str(), bench.app.session.frame), ("XSS", 2), "the most doubtful");
-    bench.act(Action::GoTo(0));
+    bench.act(Action::Navigate(Navigation::GoTo(0)));
     bench.command(Command::Reject);
     assert_eq!(bench.statuses(), "SSS");
 }
@@ -188,7 +190,7 @@ fn using_an_accepted_suggestion_for_training_is_one_step() {
     bench.command(Command::UseForTraining);
     assert!(!bench.frames()[0].is_used_for_training());
     bench.command(Command::AcceptAndStay);
-    bench.act(Action::SetUseForTraining { frame: 0, used: true });
+    bench.act(Action::Edit(EditAction::SetUseForTraining { frame: 0, used: true }));
     assert!(bench.frames()[0].is_used_for_training());
     let name = bench.app.open().unwrap().history.next_undo().unwrap().name.clone();
     assert_eq!(name, "Use for training");
@@ -205,11 +207,11 @@ fn ten_thousand_suggestions_are_listed_and_accepted_together() {
     let mut bench = Bench::new(suggested(&confidences));
     bench.command(Command::ReviewPanel);
     assert_eq!(bench.listed().len(), 9_000);
-    bench.act(Action::SetReviewThreshold(0.9));
-    bench.act(Action::SetWithDisagreeing(true));
-    bench.act(Action::AcceptAll);
+    bench.act(Action::View(ViewAction::SetReviewThreshold(0.9)));
+    bench.act(Action::View(ViewAction::SetWithDisagreeing(true)));
+    bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.app.open().unwrap().count(FrameStatus::Reference), 2_000);
-    bench.act(Action::Press { at: ImagePoint::new(700.0, 700.0), on: None });
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(700.0, 700.0), on: None }));
     bench.command(Command::Cancel);
     bench.command(Command::Undo);
     assert_eq!(bench.app.open().unwrap().count(FrameStatus::Reference), 0);
@@ -242,13 +244,13 @@ fn proposals_are_for_frames_that_nobody_touched_and_no_step_of_undo() {
     let start = blank(5);
     let mut bench = Bench::new(start.clone());
     bench.label("centre_mark");
-    bench.act(Action::GoTo(1));
+    bench.act(Action::Navigate(Navigation::GoTo(1)));
     bench.command(Command::Reject);
-    bench.act(Action::RejectAs(RejectReason::Blur));
+    bench.act(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
     let step = bench.app.open().unwrap().history.next_undo().cloned();
     let batch = [0, 1, 2].map(|frame| proposal(&bench, frame, 1, Some(5.0)));
     let unanswered = proposal(&bench, 3, 1, None);
-    bench.act(Action::Proposals(batch.into_iter().chain([unanswered]).collect()));
+    bench.act(Action::Trainer(TrainerReport::Proposals(batch.into_iter().chain([unanswered]).collect())));
     assert_eq!(bench.statuses(), "DXSNN");
     assert!(bench.frames()[3].no_answer().unwrap().starts_with("3 features look like the references"));
     let solution = bench.frames()[2].solution.as_ref().unwrap();
@@ -262,16 +264,16 @@ fn undo_and_redo_neither_lose_nor_resurrect_what_is_proposed() {
     let start = blank(4);
     let mut bench = Bench::new(start.clone());
     let first = [0, 1, 2].map(|frame| proposal(&bench, frame, 1, Some(1.0)));
-    bench.act(Action::SetComment("before".into()));
-    bench.act(Action::Proposals(first.to_vec()));
+    bench.act(Action::Edit(EditAction::SetComment("before".into())));
+    bench.act(Action::Trainer(TrainerReport::Proposals(first.to_vec())));
     bench.command(Command::AcceptAndStay);
-    bench.act(Action::GoTo(1));
+    bench.act(Action::Navigate(Navigation::GoTo(1)));
     bench.label("centre_mark");
     let asked_of_untouched = Asked::of(&start, &start.frames[1]);
     let second = [2, 3].map(|frame| proposal(&bench, frame, 2, Some(2.0)));
     // Of frame 1 the answer arrives after it was clicked.
     let late = Proposal { asked: asked_of_untouched, ..proposal(&bench, 1, 2, Some(2.0)) };
-    bench.act(Action::Proposals(second.into_iter().chain([late]).collect()));
+    bench.act(Action::Trainer(TrainerReport::Proposals(second.into_iter().chain([late]).collect())));
     assert_eq!(bench.statuses(), "RDSS");
     for _ in 0..8 {
         bench.command(Command::Undo);
@@ -292,17 +294,17 @@ fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
     let start = blank(3);
     let mut bench = Bench::new(start.clone());
     let batch: Vec<Proposal> = (0..3).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
-    bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
-    bench.act(Action::Drag(ImagePoint::new(910.0, 600.0)));
-    bench.act(Action::Proposals(batch));
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
+    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(910.0, 600.0))));
+    bench.act(Action::Trainer(TrainerReport::Proposals(batch)));
     assert!(matches!(bench.app.session.mode, Mode::Dragging { .. }));
     assert_eq!(bench.statuses(), "DSS");
     assert!(bench.journalled(&start).frames[0].clicks.is_empty(), "half a drag is not journalled");
     bench.command(Command::Cancel);
     assert_eq!(bench.statuses(), "SSS", "without the point the frame is as it was proposed");
     assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
-    bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
-    bench.act(Action::Release);
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
+    bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "SSS");
@@ -312,19 +314,19 @@ fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
 fn answers_that_no_longer_hold_are_dropped() {
     let mut bench = Bench::new(blank(4));
     let old = proposal(&bench, 0, 1, Some(1.0));
-    bench.act(Action::Proposals(vec![proposal(&bench, 1, 2, Some(2.0))]));
-    bench.act(Action::Proposals(vec![old]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 2, Some(2.0))])));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![old])));
     assert_eq!(bench.statuses(), "NSNN", "an older forest is not heard any more");
-    bench.act(Action::Proposals(vec![proposal(&bench, 1, 3, None)]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 3, None)])));
     assert_eq!(bench.statuses(), "NNNN", "a better forest takes its suggestion back");
     assert!(bench.frames()[1].is_unanswered() && bench.pan_deg(1).is_none());
     let journalled = bench.effects.len();
-    bench.act(Action::Proposals(vec![proposal(&bench, 1, 4, None)]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 4, None)])));
     assert_eq!(bench.effects.len(), journalled, "the same is not said twice");
     let mut other = proposal(&bench, 2, 4, Some(2.0));
     other.asked.sha256 = Some("another picture".into());
     let beyond = Proposal { frame: "99".into(), ..proposal(&bench, 2, 4, Some(2.0)) };
-    bench.act(Action::Proposals(vec![other, beyond]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![other, beyond])));
     assert_eq!(bench.statuses(), "NNNN");
 }
 
@@ -332,23 +334,23 @@ fn answers_that_no_longer_hold_are_dropped() {
 fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back() {
     let mut bench = Bench::new(blank(4));
     let batch: Vec<Proposal> = (0..4).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
-    bench.act(Action::Proposals(batch.clone()));
+    bench.act(Action::Trainer(TrainerReport::Proposals(batch.clone())));
     bench.command(Command::AcceptAndStay);
     let accepted = bench.frames()[0].ptz.clone();
     let moved = |bench: &mut Bench, height_m: f64| {
         let mut camera = (*bench.app.open().unwrap().document.cameras[0]).clone();
         camera.position_m = Some(Vec3::new(1.0, -62.0, height_m));
-        bench.act(Action::BeginEdit("Set height"));
-        bench.act(Action::EditCamera(Box::new(camera)));
-        bench.act(Action::EndEdit);
+        bench.act(Action::Edit(EditAction::Begin("Set height")));
+        bench.act(Action::Edit(EditAction::Camera(Box::new(camera))));
+        bench.act(Action::Edit(EditAction::End));
     };
     moved(&mut bench, 20.0);
     assert_eq!(bench.statuses(), "RNNN", "what was accepted stays");
     assert_ne!(bench.frames()[0].ptz, accepted, "turned so that its lines stay on the picture");
     assert!(bench.last_notice().starts_with("3 proposals for the old base were discarded"), "{}", bench.last_notice());
-    bench.act(Action::Proposals(batch));
+    bench.act(Action::Trainer(TrainerReport::Proposals(batch)));
     assert_eq!(bench.statuses(), "RNNN", "made for the old base");
-    bench.act(Action::Proposals(vec![proposal(&bench, 1, 2, Some(9.0))]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 2, Some(9.0))])));
     assert_eq!(bench.statuses(), "RSNN");
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "RSSS");
@@ -367,14 +369,14 @@ fn ten_thousand_proposals_arrive_while_a_person_works() {
     let start = blank(10_000);
     let mut bench = Bench::new(start.clone());
     for step in 0..300 {
-        bench.act(Action::SetComment(format!("{step}")));
+        bench.act(Action::Edit(EditAction::SetComment(format!("{step}"))));
     }
     for batch in 0..100 {
         let frames = (100 * batch..100 * (batch + 1)).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
-        bench.act(Action::Proposals(frames));
-        bench.act(Action::GoTo(9_999 - batch));
-        bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
-        bench.act(Action::Drag(ImagePoint::new(910.0, 600.0)));
+        bench.act(Action::Trainer(TrainerReport::Proposals(frames)));
+        bench.act(Action::Navigate(Navigation::GoTo(9_999 - batch)));
+        bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
+        bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(910.0, 600.0))));
         bench.command(Command::Cancel);
     }
     assert_eq!(bench.app.open().unwrap().count(FrameStatus::Suggested), 10_000);
@@ -406,14 +408,14 @@ impl Bench {
 fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
     let mut bench = Bench::new(suggested(&[Some(0.99), Some(0.98), None, None, Some(0.97)]));
     bench.command(Command::AcceptAllAbove);
-    bench.act(Action::SetReviewThreshold(0.0));
+    bench.act(Action::View(ViewAction::SetReviewThreshold(0.0)));
     // The forest answers two more, and the last one otherwise.
     let proposals = [2, 3, 4].map(|frame| proposal(&bench, frame, 1, Some(-3.0))).to_vec();
-    bench.act(Action::Proposals(proposals));
+    bench.act(Action::Trainer(TrainerReport::Proposals(proposals)));
     assert_eq!(bench.statuses(), "SSSSS");
     let sheet = bench.app.accept_sheet().map(Arc::clone).unwrap();
     assert_eq!((sheet.bulk.taken().count(), sheet.bulk.late), (2, 3));
-    bench.act(Action::AcceptAll);
+    bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRSSS");
     bench.command(Command::AcceptAllAbove);
     assert_eq!(bench.app.bulk_accept().late, 0, "asked again, they are part of it");

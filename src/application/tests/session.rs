@@ -2,7 +2,7 @@
 
 use crate::headless::Headless;
 use touchline_application::app::session::Saving;
-use touchline_application::app::{Action, Command, Question};
+use touchline_application::app::{Action, Command, EditAction, PointerAction, Question};
 use touchline_application::jobs::PictureState;
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -24,10 +24,10 @@ fn click(headless: &mut Headless, landmark: &str) {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let landmark = field.landmark(landmark).unwrap();
     let at = truth().image_from_world(field.landmark_in_world(landmark)).unwrap();
-    headless.act(Action::Press { at, on: None });
-    headless.act(Action::Release);
+    headless.act(Action::Pointer(PointerAction::Press { at, on: None }));
+    headless.act(Action::Pointer(PointerAction::Release));
     let click = headless.app.frame().unwrap().clicks.len() - 1;
-    headless.act(Action::Name { click, target: Target::Landmark(landmark.id.clone()) });
+    headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.id.clone()) }));
 }
 
 #[test]
@@ -54,21 +54,21 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     click(&mut headless, "centre_mark");
     click(&mut headless, "halfway_far");
     let at = headless.app.frame().unwrap().clicks[1].image;
-    headless.act(Action::Press { at, on: Some(1) });
-    headless.act(Action::Drag(ImagePoint::new(at.x + 9.0, at.y)));
-    headless.act(Action::Release);
+    headless.act(Action::Pointer(PointerAction::Press { at, on: Some(1) }));
+    headless.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 9.0, at.y))));
+    headless.act(Action::Pointer(PointerAction::Release));
     headless.act(Action::Command(Command::Undo));
     let ptz = headless.app.frame().unwrap().ptz.as_ref().unwrap().ptz();
     assert!((ptz.focal_px - 760.0).abs() < 1e-6, "{ptz:?}");
     headless.act(Action::Command(Command::Accept));
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let labelled = headless.app.open().unwrap().document.clone();
 
     let dataset = root.path().join("out").join("dataset.json");
     std::fs::create_dir(root.path().join("out")).unwrap();
     headless.answer(Question::ExportAs(Format::Json), &dataset);
     headless.wait_until("exporting", |app| {
-        app.session.notices.iter().any(|n| n.text.starts_with("1 frame written as json"))
+        app.session.messages.notices.iter().any(|n| n.text.starts_with("1 frame written as json"))
     });
     let exported = document_from_bytes(&std::fs::read(&dataset).unwrap()).unwrap();
     assert_eq!(exported.frames[0].name(), "../frames/1.png");
@@ -91,7 +91,7 @@ fn what_cannot_be_opened_leaves_everything_as_it_is() {
     let root = tempfile::tempdir().unwrap();
     let mut headless = Headless::new();
     headless.act(Action::Open(root.path().join("nothing")));
-    headless.wait_until("the message", |app| !app.session.notices.is_empty());
-    assert!(headless.app.open().is_none() && headless.app.session.opening.is_none());
-    assert!(headless.app.session.notices[0].text.contains("there is no such file or folder"));
+    headless.wait_until("the message", |app| !app.session.messages.notices.is_empty());
+    assert!(headless.app.open().is_none() && headless.app.session.disk.opening.is_none());
+    assert!(headless.app.session.messages.notices[0].text.contains("there is no such file or folder"));
 }

@@ -1,8 +1,10 @@
 //! Shots of a video in the application: found when it is imported, changed cut by cut, each change one step of undo.
 #![cfg(feature = "opencv")]
 
+use touchline_application::app::operation::{Failure, Job, Operation, Report};
+use touchline_application::app::operations::{BurntInSearch, FoundShots, ShotSearch};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Command, Effect, FoundShots, Opened, Settings, ShotSearch, VideoAction};
+use touchline_application::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, Settings};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame};
 use touchline_vision::media::MediaError;
@@ -21,21 +23,31 @@ fn document() -> Document {
 }
 
 /// An application on a document, and the search for cuts that it asked for.
-fn opened(document: Document) -> (App, Option<ShotSearch>) {
+fn opened(document: Document) -> (App, Option<Job>) {
     let mut app = App::new(Settings::default());
     let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-    let search = effects.into_iter().find_map(|effect| match effect {
-        Effect::FindShots(search) => Some(*search),
-        _ => None,
-    });
+    let search = started::<ShotSearch>(&effects);
     (app, search)
+}
+
+/// The request of an operation among effects.
+fn started<O: Operation>(effects: &[Effect]) -> Option<Job> {
+    effects.iter().find_map(|effect| match effect {
+        Effect::Start(job) if job.name() == O::NAME => Some(job.clone()),
+        _ => None,
+    })
+}
+
+/// A search has ended like this.
+fn ended(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
+    Action::Report(Report::of_end::<ShotSearch>(search.id(), result.map_err(Failure::Failed)))
 }
 
 /// The same with two cuts found, the second one a fade.
 fn with_shots() -> App {
     let (mut app, search) = opened(document());
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Fade)] };
-    app.update(Action::Video(VideoAction::ShotsFound { ticket: search.unwrap().ticket, found: Ok(found) }));
+    app.update(ended(&search.unwrap(), Ok(found)));
     app
 }
 
@@ -55,9 +67,10 @@ fn undo(app: &mut App) {
 #[test]
 fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
     let (app, search) = opened(document());
-    let search = search.unwrap();
+    assert!(search.is_some());
+    let search = app.operations.shot_search.running().unwrap();
     assert_eq!((search.video.as_str(), search.path.as_path()), ("match.mp4", std::path::Path::new("/match/match.mp4")));
-    assert!(app.session.video.search.is_some() && app.shots().is_none());
+    assert!(app.operations.shot_search.running().is_some() && app.shots().is_none());
     let mut labelled = document();
     labelled.frames[3].status = FrameStatus::Reference;
     assert_eq!(opened(labelled).1, None, "somebody has worked here: nothing is changed unasked");
@@ -67,14 +80,15 @@ fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
 
 #[test]
 fn shots_are_marked_in_one_step_once_a_drag_is_over() {
-    let (mut app, search) = opened(document());
-    let ticket = search.unwrap().ticket;
-    app.update(Action::BeginEdit("Pan"));
+    let mut app = App::new(Settings::default());
+    let effects = app.update(Action::Opened(Box::new(Opened::new(document(), "/match/project.json"))));
+    let [search, other] = [started::<ShotSearch>(&effects), started::<BurntInSearch>(&effects)].map(Option::unwrap);
+    app.update(Action::Edit(EditAction::Begin("Pan")));
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
-    app.update(Action::Video(VideoAction::ShotsFound { ticket: ticket + 1, found: Ok(found.clone()) }));
-    app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    app.update(ended(&other, Ok(FoundShots { last: FRAMES - 1, cuts: vec![(12, ShotKind::Cut)] })));
+    app.update(ended(&search, Ok(found)));
     assert_eq!((starts(&app), &app.session.mode), (vec![], &Mode::Editing));
-    app.update(Action::EndEdit);
+    app.update(Action::Edit(EditAction::End));
     assert_eq!(starts(&app), [0, 10]);
     undo(&mut app);
     assert_eq!(starts(&app), [0; 0]);
@@ -87,26 +101,26 @@ fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
         [(MediaError::Missing { path: "match.mp4".into() }, 1), (MediaError::Stopped { path: "match.mp4".into() }, 0)]
     {
         let (mut app, search) = opened(document());
-        app.update(Action::Video(VideoAction::ShotsFound { ticket: search.unwrap().ticket, found: Err(error.into()) }));
-        assert_eq!(app.session.notices.len(), notices);
-        assert!(app.session.video.search.is_none());
+        app.update(ended(&search.unwrap(), Err(error)));
+        assert_eq!(app.session.messages.notices.len(), notices);
+        assert!(app.operations.shot_search.running().is_none());
     }
 }
 
 #[test]
 fn a_cut_is_added_moved_and_removed() {
     let mut app = with_shots();
-    app.update(Action::GoTo(15));
+    app.update(Action::Navigate(Navigation::GoTo(15)));
     app.update(Action::Command(Command::AddCut));
     assert_eq!(starts(&app), [0, 10, 15, 20]);
-    app.update(Action::Video(VideoAction::MoveCut { cut: 15, to: 17 }));
+    app.update(Action::Edit(EditAction::MoveCut { cut: 15, to: 17 }));
     assert_eq!(starts(&app), [0, 10, 17, 20]);
-    app.update(Action::Video(VideoAction::MoveCut { cut: 17, to: 25 }));
+    app.update(Action::Edit(EditAction::MoveCut { cut: 17, to: 25 }));
     assert_eq!(starts(&app), [0, 10, 17, 20], "a cut does not pass another");
-    app.update(Action::GoTo(18));
+    app.update(Action::Navigate(Navigation::GoTo(18)));
     app.update(Action::Command(Command::RemoveCut));
     assert_eq!(starts(&app), [0, 10, 20]);
-    app.update(Action::GoTo(2));
+    app.update(Action::Navigate(Navigation::GoTo(2)));
     app.update(Action::Command(Command::RemoveCut));
     assert_eq!(starts(&app), [0, 10, 20], "before the first shot is none");
     for expected in [vec![0, 10, 17, 20], vec![0, 10, 15, 20], vec![0, 10, 20], vec![]] {
@@ -118,9 +132,9 @@ fn a_cut_is_added_moved_and_removed() {
 #[test]
 fn a_whole_shot_is_rejected_in_one_step_and_stepped_over() {
     let mut app = with_shots();
-    app.update(Action::GoTo(14));
+    app.update(Action::Navigate(Navigation::GoTo(14)));
     app.update(Action::Command(Command::RejectShot));
-    app.update(Action::RejectAs(RejectReason::Replay));
+    app.update(Action::Edit(EditAction::RejectAs(RejectReason::Replay)));
     let rejected = |app: &App| {
         let frames = &app.open().unwrap().document.frames;
         frames
@@ -131,12 +145,12 @@ fn a_whole_shot_is_rejected_in_one_step_and_stepped_over() {
             .collect::<Vec<_>>()
     };
     assert_eq!(rejected(&app), (10..20).collect::<Vec<_>>());
-    app.update(Action::GoTo(14));
+    app.update(Action::Navigate(Navigation::GoTo(14)));
     app.update(Action::Command(Command::Undo));
     assert_eq!(rejected(&app), [0; 0]);
     app.update(Action::Command(Command::NextShot));
     assert_eq!(app.session.frame, 20);
-    app.update(Action::GoTo(14));
+    app.update(Action::Navigate(Navigation::GoTo(14)));
     app.update(Action::Command(Command::PreviousShot));
     app.update(Action::Command(Command::PreviousShot));
     assert_eq!(app.session.frame, 0);
@@ -151,12 +165,12 @@ fn nothing_is_accepted_before_its_picture_is_there() {
     ));
     document.frames[4].status = FrameStatus::Suggested;
     let (mut app, _) = opened(document);
-    app.update(Action::GoTo(4));
-    app.update(Action::Video(VideoAction::PictureAwaited(true)));
+    app.update(Action::Navigate(Navigation::GoTo(4)));
+    app.update(Action::PictureAwaited(true));
     app.update(Action::Command(Command::AcceptAndStay));
     assert_eq!(app.frame().unwrap().status, FrameStatus::Suggested);
     assert!(app.unacceptable().unwrap().contains("picture"));
-    app.update(Action::Video(VideoAction::PictureAwaited(false)));
+    app.update(Action::PictureAwaited(false));
     app.update(Action::Command(Command::AcceptAndStay));
     assert_eq!(app.frame().unwrap().status, FrameStatus::Reference);
 }
@@ -164,13 +178,12 @@ fn nothing_is_accepted_before_its_picture_is_there() {
 #[test]
 fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
     let (mut app, search) = opened(document());
-    app.update(Action::GoTo(3));
-    app.update(Action::SetComment("mine".to_owned()));
-    app.update(Action::SetComment("undone".to_owned()));
+    app.update(Action::Navigate(Navigation::GoTo(3)));
+    app.update(Action::Edit(EditAction::SetComment("mine".to_owned())));
+    app.update(Action::Edit(EditAction::SetComment("undone".to_owned())));
     app.update(Action::Command(Command::Undo));
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
-    let ticket = search.unwrap().ticket;
-    let effects = app.update(Action::Video(VideoAction::ShotsFound { ticket, found: Ok(found) }));
+    let effects = app.update(ended(&search.unwrap(), Ok(found)));
     assert_eq!(starts(&app), [0, 10]);
     let whole = effects.iter().find_map(|effect| match effect {
         Effect::JournalWhole { document, history, .. } => Some((document, history)),

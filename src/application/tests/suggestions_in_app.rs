@@ -6,7 +6,7 @@ use crate::proposed::{blank, proposal_in, suggested};
 use crate::review_in_app::proposal;
 use std::fs;
 use touchline_application::app::session::Saving;
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction, TrainerReport};
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Document, FrameStatus, document_from_bytes, document_to_string};
 use touchline_documents::store::{Location, write_document};
@@ -29,7 +29,7 @@ fn a_document_is_written_byte_for_byte_as_it_was_read() {
     assert_eq!(document_to_string(document(&bench.app)).unwrap(), text);
     // An edit of a frame is all that differs, and undo takes it back to the byte.
     bench.command(Command::AcceptAndStay);
-    bench.act(Action::SetComment("rain".into()));
+    bench.act(Action::Edit(EditAction::SetComment("rain".into())));
     let journalled = bench.journalled(&read);
     assert_eq!(journalled, *document(&bench.app));
     assert_eq!(suggested_frames(&journalled), [2, 3]);
@@ -41,12 +41,15 @@ fn a_document_is_written_byte_for_byte_as_it_was_read() {
 #[test]
 fn accepting_is_one_step_and_taken_back_the_frame_shows_what_is_suggested_by_then() {
     let mut bench = Bench::new(blank(2));
-    bench.act(Action::Proposals(vec![proposal(&bench, 0, 1, Some(1.0)), proposal(&bench, 1, 1, Some(1.0))]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![
+        proposal(&bench, 0, 1, Some(1.0)),
+        proposal(&bench, 1, 1, Some(1.0)),
+    ])));
     let meanwhile = proposal(&bench, 0, 2, Some(2.0));
     assert_eq!(bench.app.open().unwrap().history.next_undo(), None);
     bench.command(Command::AcceptAndStay);
     assert_eq!(bench.app.open().unwrap().history.next_undo().unwrap().name, "Accept");
-    bench.act(Action::Proposals(vec![meanwhile]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![meanwhile])));
     assert_eq!((bench.statuses().as_str(), bench.pan_deg(0)), ("RS", Some(1.0)), "accepted is accepted");
     bench.command(Command::Undo);
     assert_eq!(bench.app.open().unwrap().history.next_undo(), None, "it was one step");
@@ -59,27 +62,27 @@ fn accepting_is_one_step_and_taken_back_the_frame_shows_what_is_suggested_by_the
 #[test]
 fn an_answer_for_an_earlier_revision_of_a_frame_is_dropped() {
     let mut bench = Bench::new(blank(1));
-    bench.act(Action::Proposals(vec![proposal(&bench, 0, 1, Some(1.0))]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 0, 1, Some(1.0))])));
     let stale = proposal(&bench, 0, 1, Some(2.0));
-    bench.act(Action::SetComment("rain".into()));
+    bench.act(Action::Edit(EditAction::SetComment("rain".into())));
     assert_eq!(bench.pan_deg(0), Some(1.0), "a comment leaves what is suggested");
-    bench.act(Action::Proposals(vec![stale]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![stale])));
     assert_eq!(bench.pan_deg(0), Some(1.0));
-    bench.act(Action::Proposals(vec![proposal(&bench, 0, 1, Some(3.0))]));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 0, 1, Some(3.0))])));
     assert_eq!(bench.pan_deg(0), Some(3.0));
 }
 
 #[test]
 fn five_hundred_suggestions_are_no_steps_and_in_none() {
     let mut bench = Bench::new(blank(501));
-    bench.act(Action::SetComment("rain".into()));
+    bench.act(Action::Edit(EditAction::SetComment("rain".into())));
     for batch in 0..10 {
         let frames = (50 * batch + 1..=50 * (batch + 1)).map(|frame| proposal(&bench, frame, 1, Some(3.0)));
-        bench.act(Action::Proposals(frames.collect()));
-        bench.act(Action::SetComment(format!("rain {batch}")));
+        bench.act(Action::Trainer(TrainerReport::Proposals(frames.collect())));
+        bench.act(Action::Edit(EditAction::SetComment(format!("rain {batch}"))));
     }
     assert_eq!(suggested_frames(document(&bench.app)).len(), 500);
-    bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
+    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
     let before = bench.app.open().unwrap().history.before().unwrap();
     assert_eq!((before.frames.len(), suggested_frames(before).len()), (501, 0), "what undo keeps has none of them");
     bench.command(Command::Cancel);
@@ -93,7 +96,7 @@ fn five_hundred_suggestions_are_no_steps_and_in_none() {
 
 /// Waits until everything that was done is on disk.
 fn settle(headless: &mut Headless) {
-    headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
 }
 
 #[test]
@@ -103,7 +106,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
     write_document(&Location::for_new_document(&folder.join("")).unwrap(), &blank(4), false).unwrap();
     let mut headless = Headless::opened(&folder);
     let answers = [0, 1, 2].map(|frame| proposal_in(document(&headless.app), frame, 1, Some(frame as f64))).to_vec();
-    headless.act(Action::Proposals(answers));
+    headless.act(Action::Trainer(TrainerReport::Proposals(answers)));
     headless.act(Action::Command(Command::AcceptAndStay));
     settle(&mut headless);
 
@@ -131,7 +134,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
 
     // The acceptance was not in the way of suggestions, and can be undone in another session.
     let mut later = Headless::opened(&killed);
-    later.act(Action::GoTo(0));
+    later.act(Action::Navigate(Navigation::GoTo(0)));
     assert_eq!(later.app.open().unwrap().history.next_undo().unwrap().name, "Accept");
     later.act(Action::Command(Command::Undo));
     assert_eq!(suggested_frames(document(&later.app)), [0, 1, 2]);

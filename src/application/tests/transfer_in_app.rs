@@ -4,7 +4,7 @@ use crate::headless::Headless;
 use std::path::Path;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::transfer::{Look, TransferAction, TransferTab, in_dialog};
-use touchline_application::app::{Action, Command, Question, Settings};
+use touchline_application::app::{Action, Command, EditAction, Navigation, Question, Settings, ViewAction};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
@@ -84,8 +84,8 @@ fn every_option_that_an_export_or_import_speaks_of_has_words_in_the_dialog() {
 }
 
 fn found(headless: &mut Headless) -> Look {
-    headless.wait_until("looking", |app| app.session.transfer.found.is_some());
-    headless.app.session.transfer.found.clone().unwrap().look
+    headless.wait_until("looking", |app| app.operations.transfer.found.is_some());
+    headless.app.operations.transfer.found.clone().unwrap().look
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     let out = folder.path().join("out");
     headless.answer(Question::ExportAs(Format::Wc14), &out);
     headless.wait_until("writing", |app| {
-        app.session.notices.iter().any(|notice| notice.text.contains("2 frames written as wc14"))
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("2 frames written as wc14"))
     });
     assert!(out.join("0001.homographyMatrix").is_file());
     assert_eq!(headless.app.session.dialog, None);
@@ -110,7 +110,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     // What cannot be is said in one line, also where it was chosen while something was being written.
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::FreeD));
-    let mut options = headless.app.session.transfer.export.clone();
+    let mut options = headless.app.operations.transfer.export.clone();
     options.frames.statuses = vec![FrameStatus::Rejected];
     options.gaps = Gaps::Takes;
     act(&mut headless, TransferAction::Export(Box::new(options)));
@@ -124,7 +124,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let mut headless = opened(folder.path());
     headless.act(Action::Command(Command::ExportDataset));
-    assert_eq!(headless.app.session.transfer.tab, TransferTab::Dataset);
+    assert_eq!(headless.app.operations.transfer.tab, TransferTab::Dataset);
     let options =
         DatasetOptions { splitting: Some(Splitting::default()), undistorted: true, ..DatasetOptions::default() };
     act(&mut headless, TransferAction::Dataset(Box::new(options)));
@@ -134,14 +134,15 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     let out = folder.path().join("set");
     headless.answer(Question::DatasetTo, &out);
     headless.wait_until("writing", |app| {
-        app.session.notices.iter().any(|notice| notice.text.contains("Dataset of 2 frames written"))
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("Dataset of 2 frames written"))
     });
     assert!(out.join("manifest.sha256").is_file() && out.join("undistorted/images/train/0001.png").is_file());
     // Once more, stopped at once: nothing temporary stays.
     headless.act(Action::Command(Command::ExportDataset));
     headless.answer(Question::DatasetTo, &folder.path().join("other"));
     act(&mut headless, TransferAction::Stop);
-    assert_eq!(headless.app.session.transfer.under_way, None);
+    let transfer = &headless.app.operations.transfer;
+    assert!(!transfer.is_looking() && transfer.writing().is_none());
     drop(headless);
     let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(left.filter(|name| name.contains(".tmp")).count() == 0, "nothing temporary is left");
@@ -170,7 +171,7 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     let before = headless.app.open().unwrap().document.frames.clone();
     headless.answer(Question::ImportFrom(Format::Labelme), &labelme);
     let Look::Import(Ok(joined)) = found(&mut headless) else {
-        panic!("{:?}", headless.app.session.transfer.found);
+        panic!("{:?}", headless.app.operations.transfer.found);
     };
     assert_eq!((joined.matched, joined.kept, joined.added, joined.clicks), (1, 1, 0, 2));
     assert_eq!(headless.app.open().unwrap().document.frames, before, "a look changes nothing");
@@ -192,15 +193,18 @@ fn a_typed_path_replaces_no_file_unasked() {
     std::fs::write(&precious, "precious").unwrap();
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::Csv));
-    headless.act(Action::TypePath(Question::ExportAs(Format::Csv)));
+    headless.act(Action::View(ViewAction::TypePath(Question::ExportAs(Format::Csv))));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.contains("exists")));
+    headless.wait_until("the refusal", |app| {
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("exists"))
+    });
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
     // A file dialog has asked.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless
-        .wait_until("writing", |app| app.session.notices.iter().any(|notice| notice.text.contains("written as csv")));
+    headless.wait_until("writing", |app| {
+        app.session.messages.notices.iter().any(|notice| notice.text.contains("written as csv"))
+    });
     assert_ne!(std::fs::read_to_string(&precious).unwrap(), "precious");
 }
 
@@ -221,13 +225,13 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
     headless.act(Action::Command(Command::Import));
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &other.path().join("project.json"));
-    let Look::Import(Ok(joined)) = found(&mut headless) else { panic!("{:?}", headless.app.session.transfer.found) };
+    let Look::Import(Ok(joined)) = found(&mut headless) else { panic!("{:?}", headless.app.operations.transfer.found) };
     assert_eq!(joined.added, 6);
     act(&mut headless, TransferAction::TakeOver);
     for frame in [9, 1] {
-        headless.act(Action::SelectFrame { frame, how: Selecting::Toggle });
+        headless.act(Action::Navigate(Navigation::SelectFrame { frame, how: Selecting::Toggle }));
     }
-    headless.act(Action::GoTo(9));
+    headless.act(Action::Navigate(Navigation::GoTo(9)));
     headless.act(Action::Command(Command::Undo));
     assert_eq!(headless.app.open().unwrap().document.frames.len(), 4);
     assert_eq!((headless.app.session.frame, headless.app.frame().is_some()), (3, true));
@@ -247,14 +251,14 @@ fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &labels);
     // The document changes while the background looks, before it reports.
-    headless.act(Action::SetComment("meanwhile".to_owned()));
+    headless.act(Action::Edit(EditAction::SetComment("meanwhile".to_owned())));
     let changed = headless.app.open().unwrap().document.frames.clone();
     assert!(changed.iter().any(|frame| frame.comment.as_deref() == Some("meanwhile")));
     assert!(matches!(found(&mut headless), Look::Import(Ok(_))));
     act(&mut headless, TransferAction::TakeOver);
     assert_eq!(headless.app.open().unwrap().document.frames, changed, "the change is not taken back");
     let said = "The document changed in the meantime; choose the file again.";
-    assert!(headless.app.session.notices.iter().any(|notice| notice.text == said));
+    assert!(headless.app.session.messages.notices.iter().any(|notice| notice.text == said));
 }
 
 #[test]
@@ -275,6 +279,7 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
     assert!(headless.app.other_picture(1).unwrap().starts_with("the image changed since it was labelled"));
     headless.wait_until("the notice", |app| {
         app.session
+            .messages
             .notices
             .iter()
             .any(|notice| notice.text == "The picture of 0001.png is not the one that was labelled.")

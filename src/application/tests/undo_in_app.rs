@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use tempfile::TempDir;
 use touchline_application::app::session::Saving;
-use touchline_application::app::{Action, Command, OutsideChoice};
+use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, PointerAction};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, PixelBox, Vec3};
 use touchline_documents::document::{
@@ -34,7 +34,7 @@ fn new_project(frames: usize) -> (TempDir, PathBuf) {
 }
 
 fn notices(headless: &Headless) -> Vec<&str> {
-    headless.app.session.notices.iter().map(|notice| notice.text.as_str()).collect()
+    headless.app.session.messages.notices.iter().map(|notice| notice.text.as_str()).collect()
 }
 
 impl Headless {
@@ -46,24 +46,24 @@ impl Headless {
     fn place(&mut self, landmark: &str) {
         let camera = PtzCamera::new(base(), Ptz::from_degrees(-4.0, -14.0, 2300.0));
         let at = landmark_in(&camera, landmark);
-        self.act(Action::Press { at, on: None });
-        self.act(Action::Release);
+        self.act(Action::Pointer(PointerAction::Press { at, on: None }));
+        self.act(Action::Pointer(PointerAction::Release));
         let click = self.app.frame().unwrap().clicks.len() - 1;
-        self.act(Action::Name { click, target: Target::Landmark(landmark.into()) });
+        self.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
     }
 
     fn drag(&mut self, click: usize) {
         let at = self.app.frame().unwrap().clicks[click].image;
-        self.act(Action::Press { at, on: Some(click) });
+        self.act(Action::Pointer(PointerAction::Press { at, on: Some(click) }));
         for step in 1..9 {
-            self.act(Action::Drag(ImagePoint::new(at.x + f64::from(step), at.y)));
+            self.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + f64::from(step), at.y))));
         }
-        self.act(Action::Release);
+        self.act(Action::Pointer(PointerAction::Release));
     }
 
     fn comment(&mut self, frame: usize, text: &str) {
-        self.act(Action::GoTo(frame));
-        self.act(Action::SetComment(text.to_owned()));
+        self.act(Action::Navigate(Navigation::GoTo(frame)));
+        self.act(Action::Edit(EditAction::SetComment(text.to_owned())));
     }
 
     /// Takes one step back or does it again; false where there is none.
@@ -74,7 +74,7 @@ impl Headless {
         };
         let Some(step) = next(self) else { return false };
         let frame = step.frame.and_then(|id| self.app.open().unwrap().document.frames.position_of(&id));
-        self.act(Action::GoTo(frame.unwrap_or(self.app.session.frame)));
+        self.act(Action::Navigate(Navigation::GoTo(frame.unwrap_or(self.app.session.frame))));
         self.act(Action::Command(command));
         true
     }
@@ -98,27 +98,30 @@ fn edit_in_many_ways(headless: &mut Headless) {
     headless.place("centre_mark");
     headless.place("halfway_far");
     headless.drag(1);
-    headless.act(Action::Select(Some(0)));
+    headless.act(Action::Navigate(Navigation::Select(Some(0))));
     for _ in 0..3 {
-        headless.act(Action::Nudge { dx_px: 0.25, dy_px: 0.0, held: true });
+        headless.act(Action::Edit(EditAction::Nudge { dx_px: 0.25, dy_px: 0.0, held: true }));
     }
     headless.comment(1, "rain");
-    headless.act(Action::GoTo(2));
-    headless.act(Action::RejectAs(RejectReason::CloseUp));
-    headless.act(Action::AddMask { of_camera: true, mask: PixelBox { x: 10.0, y: 20.0, width: 300.0, height: 80.0 } });
+    headless.act(Action::Navigate(Navigation::GoTo(2)));
+    headless.act(Action::Edit(EditAction::RejectAs(RejectReason::CloseUp)));
+    headless.act(Action::Edit(EditAction::AddMask {
+        of_camera: true,
+        mask: PixelBox { x: 10.0, y: 20.0, width: 300.0, height: 80.0 },
+    }));
     // The base moves, and with it what the clicks of the first frame say.
     let mut camera = Camera::clone(&headless.app.open().unwrap().document.cameras[0]);
     let mut moved = base();
     moved.position_m += Vec3::new(0.0, -1.0, 0.5);
     camera.set_base(&moved);
-    headless.act(Action::BeginEdit("Move camera"));
-    headless.act(Action::EditCamera(Box::new(camera)));
-    headless.act(Action::EndEdit);
+    headless.act(Action::Edit(EditAction::Begin("Move camera")));
+    headless.act(Action::Edit(EditAction::Camera(Box::new(camera))));
+    headless.act(Action::Edit(EditAction::End));
     let mut longer = FieldSpec::new("soccer");
     longer.params.insert("length_m".to_owned(), 103.5);
-    headless.act(Action::BeginEdit("Change field"));
-    headless.act(Action::EditField(longer));
-    headless.act(Action::EndEdit);
+    headless.act(Action::Edit(EditAction::Begin("Change field")));
+    headless.act(Action::Edit(EditAction::Field(longer)));
+    headless.act(Action::Edit(EditAction::End));
 }
 
 #[test]
@@ -134,13 +137,13 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     };
     fs::write(path.join("project.json"), theirs).unwrap();
     headless.act(Action::Command(Command::Save));
-    headless.wait_until("the other version", |app| app.session.changed_outside.is_some());
+    headless.wait_until("the other version", |app| app.session.disk.changed_outside.is_some());
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
     headless.wait_until("the merge", |app| app.open().unwrap().document.frames.len() == 6);
     headless.comment(5, "from outside");
     headless.comment(0, "taken back");
     assert!(headless.undo(Command::Undo));
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let last = headless.document();
     let open = headless.app.open().unwrap();
     let (document, history) = (open.document.clone(), open.history.clone());
@@ -192,7 +195,7 @@ fn a_document_to_look_at_only_offers_no_undo() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::opened(&path);
     headless.comment(0, "rain");
-    headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
     let second = Headless::opened(&path);
     let open = second.app.open().unwrap();
     assert!(open.read_only.is_some() && open.history.is_empty());
@@ -217,7 +220,7 @@ fn child_that_edits_until_it_is_killed() {
         if number % 3 == 0 {
             headless.act(Action::Command(Command::Save));
         }
-        headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
+        headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
         let open = headless.app.open().unwrap();
         println!("undoable {}", open.history.undo_edits(&open.document).count());
     }

@@ -9,7 +9,9 @@ use std::path::Path;
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::CameraWatch;
 use touchline_application::app::selection::{Scope, Selecting};
-use touchline_application::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
+use touchline_application::app::{
+    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, Settings,
+};
 use touchline_application::jobs::SharedPictures;
 use touchline_calibration::calibrate::{
     AssignError, BaseProblem, BulkChange, BulkSolve, FrameLookup, add_camera_like, assign_to_camera, camera_change,
@@ -210,10 +212,12 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     let document = document(24, 12, 2.0, &mut rng);
     let before = document.clone();
     let mut app = open(document);
-    let told = |app: &App| app.session.notices.iter().filter(|notice| notice.text.contains("stopped fitting")).count();
-    assert_eq!(told(&app), 1, "{:?}", app.session.notices);
-    app.update(Action::GoTo(3));
-    app.update(Action::SetComment("rain".into()));
+    let told = |app: &App| {
+        app.session.messages.notices.iter().filter(|notice| notice.text.contains("stopped fitting")).count()
+    };
+    assert_eq!(told(&app), 1, "{:?}", app.session.messages.notices);
+    app.update(Action::Navigate(Navigation::GoTo(3)));
+    app.update(Action::Edit(EditAction::SetComment("rain".into())));
     assert_eq!(told(&app), 1);
     let change = app.camera_change().unwrap().frame;
     let effects = app.update(Action::Command(Command::NewCameraFromChange));
@@ -240,14 +244,14 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
     let report = |look: &Job| Action::Report(look.run(&SharedPictures::none(), &|_| ()));
     let first = looks(app.update(Action::Opened(Box::new(opened)))).remove(0);
     assert_eq!(app.camera_change(), None, "nothing is known yet");
-    let meanwhile = looks(app.update(Action::SetComment("rain".into())));
+    let meanwhile = looks(app.update(Action::Edit(EditAction::SetComment("rain".into()))));
     assert!(meanwhile.is_empty(), "one look at a time");
     let second = looks(app.update(report(&first))).remove(0);
     assert!(app.camera_change().unwrap().frame.abs_diff(30) <= 2, "{:?}", app.camera_change());
     assert!(looks(app.update(report(&second))).is_empty(), "the document is as it was looked at");
-    let before = app.session.notices.len();
+    let before = app.session.messages.notices.len();
     app.update(Action::Report(first.panicked("too late".to_owned())));
-    assert_eq!(app.session.notices.len(), before, "nobody waits for it any more");
+    assert_eq!(app.session.messages.notices.len(), before, "nobody waits for it any more");
 }
 
 #[test]
@@ -259,17 +263,17 @@ fn frames_of_the_wrong_camera_are_told_and_given_back_in_one_step() {
     document.cameras.push(second.into());
     solve(&mut document);
     let mut app = open(document);
-    app.update(Action::GoTo(6));
+    app.update(Action::Navigate(Navigation::GoTo(6)));
     assert_eq!(app.current().better_camera.as_ref().unwrap().camera, "second".into());
     assert_eq!(app.current().judgement.as_ref().unwrap().verdict, Verdict::Wrong);
     let camera = CameraChoice::Known("second".into());
-    app.update(Action::AssignToCamera { scope: Scope::Frame, camera: camera.clone() });
+    app.update(Action::Edit(EditAction::AssignToCamera { scope: Scope::Frame, camera: camera.clone() }));
     assert_eq!((camera_of(&app, 6), app.current().better_camera.clone()), ("second".into(), None));
-    app.update(Action::GoTo(5));
+    app.update(Action::Navigate(Navigation::GoTo(5)));
     for frame in [7, 8] {
-        app.update(Action::SelectFrame { frame, how: Selecting::Toggle });
+        app.update(Action::Navigate(Navigation::SelectFrame { frame, how: Selecting::Toggle }));
     }
-    app.update(Action::AssignToCamera { scope: Scope::Selected, camera });
+    app.update(Action::Edit(EditAction::AssignToCamera { scope: Scope::Selected, camera }));
     assert!((5..9).all(|frame| camera_of(&app, frame) == "second"));
     assert!(app.session.frames_selected.is_empty());
     app.update(Action::Command(Command::Undo));
@@ -282,13 +286,16 @@ fn a_new_camera_needs_a_name_of_its_own() {
     let mut app = open(document(4, 4, 1.0, &mut rng));
     let before = app.open().unwrap().document.clone();
     let give = |app: &mut App, name: &str| {
-        app.update(Action::AssignToCamera { scope: Scope::Onwards, camera: CameraChoice::New(name.into()) });
+        app.update(Action::Edit(EditAction::AssignToCamera {
+            scope: Scope::Onwards,
+            camera: CameraChoice::New(name.into()),
+        }));
     };
     give(&mut app, "main");
-    assert!(app.session.notices.last().unwrap().text.contains("choose another name"));
+    assert!(app.session.messages.notices.last().unwrap().text.contains("choose another name"));
     give(&mut app, " ");
     assert_eq!(*app.open().unwrap().document, before);
-    app.update(Action::GoTo(2));
+    app.update(Action::Navigate(Navigation::GoTo(2)));
     give(&mut app, "behind the goal");
     assert_eq!([1, 2, 3].map(|frame| camera_of(&app, frame)), ["main", "behind the goal", "behind the goal"]);
     assert!(app.current().base.is_none());

@@ -76,7 +76,7 @@ pub use authors_mat::{
 };
 pub use dataset::{
     DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame, Split, SplitBy,
-    Splitting, plan_dataset, write_dataset,
+    Splitting, folder_for_new, plan_dataset, write_dataset,
 };
 pub use error::{ExchangeError, Problem};
 pub use export::export;

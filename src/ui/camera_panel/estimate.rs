@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
-use touchline_application::app::base::{BaseWork, EstimateProgress};
+use touchline_application::app::operations::base_estimate::EstimateProgress;
 use touchline_application::app::{Action, Command};
 use touchline_calibration::calibrate::BaseReadiness;
 use touchline_calibration::calibrate::EstimatedBase;
@@ -15,29 +15,25 @@ use touchline_documents::document::Camera;
 /// Shows the state of the estimation.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "BASE FROM THE FRAMES");
-    match &panel.app.session.base {
-        BaseWork::Estimating(work) => {
-            ui.add(Label::new(format!("From {}.", work.from)).wrap());
-            let share = work.progress.map_or(Some(0.0), EstimateProgress::share);
-            let description =
-                work.progress.map_or_else(|| "Looking for initial values…".to_owned(), EstimateProgress::describe);
-            let bar = ProgressBar::new(share.unwrap_or(1.0)).animate(share.is_none());
-            let bar = ui.add(bar.text(description).desired_height(18.0));
-            bar.on_hover_text("Every model of lens and crown is fitted to all groups of points but one, in turn.");
-            command(panel, ui, "Stop", Command::DropEstimatedBase);
-        }
-        BaseWork::Proposed(found) => {
-            proposed(panel, ui, found);
-            evidence::show(panel, ui, found);
-        }
-        BaseWork::Applied(found) if found.camera == camera.id => {
-            summary(ui, found);
-            start(panel, ui, camera);
-            evidence::show(panel, ui, found);
-        }
-        BaseWork::Applied(_) | BaseWork::Idle => {
-            start(panel, ui, camera);
-        }
+    let state = &panel.app.operations.base_estimate;
+    if let Some(running) = state.running() {
+        let progress = running.progress().copied();
+        ui.add(Label::new(format!("From {}.", running.operation().from)).wrap());
+        let share = progress.map_or(Some(0.0), EstimateProgress::share);
+        let description = progress.map_or_else(|| "Looking for initial values…".to_owned(), EstimateProgress::describe);
+        let bar = ProgressBar::new(share.unwrap_or(1.0)).animate(share.is_none());
+        let bar = ui.add(bar.text(description).desired_height(18.0));
+        bar.on_hover_text("Every model of lens and crown is fitted to all groups of points but one, in turn.");
+        command(panel, ui, "Stop", Command::DropEstimatedBase);
+    } else if let Some(found) = state.proposed() {
+        proposed(panel, ui, found);
+        evidence::show(panel, ui, found);
+    } else if let Some(found) = state.applied().filter(|found| found.camera == camera.id) {
+        summary(ui, found);
+        start(panel, ui, camera);
+        evidence::show(panel, ui, found);
+    } else {
+        start(panel, ui, camera);
     }
 }
 
@@ -58,7 +54,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     if tick.on_hover_text(Command::BaseOnPaint.about()).changed() {
         panel.actions.push(Action::Command(Command::BaseOnPaint));
     }
-    let again = matches!(panel.app.session.base, BaseWork::Applied(_));
+    let again = panel.app.operations.base_estimate.applied().is_some();
     let says = if again { "Estimate again" } else { "Estimate the base" };
     ui.horizontal(|ui| {
         let main = Button::new(RichText::new(says).strong());

@@ -9,7 +9,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
-use touchline_application::app::Action;
+use touchline_application::app::{Action, EditAction, Navigation};
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::Symmetry;
 use touchline_core::solve::base::{DisputedClick, MirroredFrame};
@@ -118,14 +118,14 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
         let (rect, response) = bar.show(ui);
         let response = response.on_hover_text(format!("{}: {landmarks} landmarks. Click to go there.", frame.name()));
         if response.clicked() {
-            panel.actions.push(Action::GoTo(index));
+            panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
         }
         let place = Rect::from_min_max(pos2(rect.right() - theme::SYMBOL.x, rect.top()), rect.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             let palette = ui.palette();
             let leave = symbol::button(ui, Symbol::Cross, &format!("Leave {name} out"), palette.weak);
             if leave.on_hover_text("Leave this frame out of the estimation.").clicked() {
-                panel.actions.push(Action::UseForBase { frame: index, used: false });
+                panel.actions.push(Action::Edit(EditAction::UseForBase { frame: index, used: false }));
             }
         });
     }
@@ -148,12 +148,12 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
     for (index, name) in out {
         ui.horizontal(|ui| {
             if ui.add(Button::new(RichText::new(&name).color(ui.palette().weak)).frame(false)).clicked() {
-                panel.actions.push(Action::GoTo(index));
+                panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
             }
             ui.label(RichText::new("left out").small().color(ui.palette().weak));
             let back = ui.add(Button::new("Put back").small());
             if back.on_hover_text("Use this frame in the estimation again.").clicked() {
-                panel.actions.push(Action::UseForBase { frame: index, used: true });
+                panel.actions.push(Action::Edit(EditAction::UseForBase { frame: index, used: true }));
             }
         });
     }
@@ -184,7 +184,10 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
         let (_, response) = bar.show(ui);
         let tip = format!("{name}: {} points, the worst {:.1} px off. Click to go there.", fit.clicks, fit.worst_px);
         if response.on_hover_text(tip).clicked() {
-            panel.actions.extend([Action::GoTo(fit.worst.0), Action::Select(Some(fit.worst.1))]);
+            panel.actions.extend([
+                Action::Navigate(Navigation::GoTo(fit.worst.0)),
+                Action::Navigate(Navigation::Select(Some(fit.worst.1))),
+            ]);
         }
     }
     if let Some(more) = found.landmarks.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
@@ -228,10 +231,12 @@ fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) 
     );
     remark(ui, &text, |ui| {
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.push(Action::GoTo(mirrored.frame));
+            panel.actions.push(Action::Navigate(Navigation::GoTo(mirrored.frame)));
         }
         if ui.add(Button::new(format!("Mirror {sides}")).small()).on_hover_text(tip).clicked() {
-            panel.actions.push(Action::MirrorNames { frame: mirrored.frame, symmetry: mirrored.symmetry });
+            panel
+                .actions
+                .push(Action::Edit(EditAction::MirrorNames { frame: mirrored.frame, symmetry: mirrored.symmetry }));
         }
     });
 }
@@ -248,7 +253,12 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
         .unwrap_or_default();
     let text = format!("Point {} of {}, {what}: {off}.{hint}", disputed.click + 1, short_name(frame));
     remark(ui, &text, |ui| {
-        let go = || [Action::GoTo(disputed.frame), Action::Select(Some(disputed.click))];
+        let go = || {
+            [
+                Action::Navigate(Navigation::GoTo(disputed.frame)),
+                Action::Navigate(Navigation::Select(Some(disputed.click))),
+            ]
+        };
         if ui.add(Button::new("Go there").small()).clicked() {
             panel.actions.extend(go());
         }
@@ -256,7 +266,7 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
             && ui.add(Button::new("Rename").small()).on_hover_text("Rename this point to the name that fits.").clicked()
         {
             panel.actions.extend(go());
-            panel.actions.push(Action::Name { click: disputed.click, target });
+            panel.actions.push(Action::Edit(EditAction::Name { click: disputed.click, target }));
         }
     });
 }

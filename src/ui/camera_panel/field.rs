@@ -11,7 +11,7 @@ use egui::{
     Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use std::ops::RangeInclusive;
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, EditAction, ViewAction};
 use touchline_core::field::{Curve, FieldError, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
 use touchline_documents::document::{CROWN, FieldSize, FieldSpec};
 
@@ -31,7 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(Err(error)) = &panel.app.current().field
         && problem(ui, &spec, error)
     {
-        panel.actions.push(Action::ReadFailedTemplatesAgain);
+        panel.actions.push(Action::View(ViewAction::ReadFailedTemplatesAgain));
     }
     params(panel, ui, &spec);
     size(panel, ui, &spec);
@@ -55,7 +55,7 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
             for name in builtin_names() {
                 let title = builtin(name).map_or_else(|_| name.to_owned(), |template| template.title.clone());
                 if ui.selectable_label(spec.template == name, title).clicked() {
-                    panel.actions.push(Action::ChooseSport(name.to_owned()));
+                    panel.actions.push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
                 }
             }
         });
@@ -114,7 +114,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number
             if param != CROWN {
                 changed.size = None;
             }
-            Action::EditField(changed)
+            Action::Edit(EditAction::Field(changed))
         });
     });
 }
@@ -149,7 +149,7 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     numbers::line(ui, known, "Exported with the dataset. A change of length or width makes it assumed again.", |ui| {
         let doubt = ui.add(Button::new("Not sure").small());
         if doubt.on_hover_text("Mark the size as assumed again.").clicked() {
-            panel.actions.push(Action::EditField(FieldSpec { size: None, ..spec.clone() }));
+            panel.actions.push(Action::Edit(EditAction::Field(FieldSpec { size: None, ..spec.clone() })));
         }
     });
 }

@@ -4,7 +4,7 @@ use super::section;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
-use touchline_application::app::{Action, Command, MaskList, MaskScope};
+use touchline_application::app::{Action, Command, EditAction, MaskList, MaskScope};
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Camera, MaskSource, RangedMask};
 
@@ -26,7 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         row(panel, ui, &Row { list: MaskList::Frame, index, mask, covers: "this frame".to_owned() });
     }
     let command = Command::ShowMasks;
-    let says = if panel.app.session.masks { "Done drawing" } else { "Draw masks" };
+    let says = if panel.app.session.picture.masks { "Done drawing" } else { "Draw masks" };
     if ui.add(Button::new(says).small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
         panel.actions.push(Action::Command(command));
     }
@@ -61,14 +61,14 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &Row<'_>) {
             let name = format!("Remove mask {} of {covers}", index + 1);
             let palette = ui.palette();
             if symbol::button(ui, Symbol::Cross, &name, palette.weak).on_hover_text("Remove this mask.").clicked() {
-                panel.actions.push(Action::RemoveMask { list, index });
+                panel.actions.push(Action::Edit(EditAction::RemoveMask { list, index }));
             }
             let menu = ui.menu_button(RichText::new(covers).small(), |ui| {
                 for scope in MaskScope::ALL {
                     let why_not = panel.app.why_not_scope(scope);
                     let entry = ui.add_enabled(why_not.is_none(), Button::new(scope.label()));
                     if entry.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
-                        panel.actions.push(Action::ScopeMask { list, index, scope });
+                        panel.actions.push(Action::Edit(EditAction::ScopeMask { list, index, scope }));
                         ui.close();
                     }
                 }

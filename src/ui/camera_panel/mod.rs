@@ -16,7 +16,7 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, EditAction};
 use touchline_core::camera::BaseAngles;
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_documents::document::Camera;
@@ -43,7 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.set_width(ui.available_width());
             of_frames(panel, ui, &camera);
             // The sport has to be chosen before the first point; afterwards the field comes last.
-            let settled = camera.base().is_some() || panel.app.session.base.found().is_some();
+            let settled = camera.base().is_some() || panel.app.operations.base_estimate.found().is_some();
             if !settled {
                 field::show(panel, ui);
             }
@@ -59,7 +59,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             numbers::lens(panel, ui, &camera);
             numbers::sigma(panel, ui, &camera);
-            if panel.app.session.base.found().is_none() {
+            if panel.app.operations.base_estimate.found().is_none() {
                 evidence::frames_of_document(panel, ui, &camera);
             }
             if settled {
@@ -145,7 +145,7 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         let mut started = camera.clone();
         started.position_m = Some(Vec3::new(0.0, -half_width_m - START_BEHIND_M, START_HEIGHT_M));
         started.base_from_world = Some(BaseAngles { pitch: Angle::ZERO, ..BaseAngles::default() }.base_from_world());
-        panel.actions.push(Action::EditCamera(Box::new(started)));
+        panel.actions.push(Action::Edit(EditAction::Camera(Box::new(started))));
     }
 }
 

@@ -7,7 +7,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Grid, Layout, RichText, Ui, vec2};
-use touchline_application::app::Action;
+use touchline_application::app::{Action, EditAction};
 use touchline_core::camera::{BaseAngles, BaseSigma};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_documents::document::{Camera, CameraSigma, K1Curve, Stage};
@@ -37,7 +37,7 @@ fn row(
         number.show(ui, panel.app, panel.actions, |value| {
             let mut changed = camera.clone();
             write(&mut changed, value);
-            Action::EditCamera(Box::new(changed))
+            Action::Edit(EditAction::Camera(Box::new(changed)))
         });
     });
 }
@@ -223,9 +223,9 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     if known.is_none() && ui.add(confirm).on_hover_text("Mark this width as known. One step of undo.").clicked() {
         let confirmed = Camera { sensor_width_mm: Some(GUESSED_SENSOR_MM), ..camera.clone() };
         panel.actions.extend([
-            Action::BeginEdit("Confirm sensor width"),
-            Action::EditCamera(Box::new(confirmed)),
-            Action::EndEdit,
+            Action::Edit(EditAction::Begin("Confirm sensor width")),
+            Action::Edit(EditAction::Camera(Box::new(confirmed))),
+            Action::Edit(EditAction::End),
         ]);
     }
 }
@@ -315,7 +315,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                             sigma.rotation_deg[axis] = value;
                         }
                     });
-                    Action::EditCamera(Box::new(changed))
+                    Action::Edit(EditAction::Camera(Box::new(changed)))
                 });
             }
             ui.end_row();

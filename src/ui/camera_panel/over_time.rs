@@ -8,7 +8,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::{Camera, Frame};
 
 /// The plot's height, points.
@@ -46,7 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                     panel.actions.push(Action::Command(command));
                 }
                 if ui.add(Button::new("Go there").small()).clicked() {
-                    panel.actions.push(Action::GoTo(change.frame));
+                    panel.actions.push(Action::Navigate(Navigation::GoTo(change.frame)));
                 }
             });
         });
@@ -119,7 +119,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     if response.clicked()
         && let Some(point) = under
     {
-        panel.actions.push(Action::GoTo(point.frame));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(point.frame)));
     }
     if let Some(point) = under {
         painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, ui.palette().strong));

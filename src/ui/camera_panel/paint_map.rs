@@ -5,7 +5,7 @@ use super::section;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use std::sync::Arc;
-use touchline_application::app::Action;
+use touchline_application::app::{Action, Navigation};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
 use touchline_calibration::calibrate::FoundCamera;
 use touchline_core::geometry::ImagePoint;
@@ -44,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         let offset = (pointer - rect.min) / scale;
         let place = map.frame_at(&scene, ImagePoint::new(f64::from(offset.x), f64::from(offset.y)));
         if let Some(place) = place {
-            panel.actions.push(Action::GoTo(frames[place].0));
+            panel.actions.push(Action::Navigate(Navigation::GoTo(frames[place].0)));
         }
     }
     let tip = "White: paint that stays put while the camera turns. Orange: the field's lines with this camera. Where they coincide, the camera is right. Click to go to the frame that shows that place.";

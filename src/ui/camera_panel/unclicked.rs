@@ -8,7 +8,7 @@ use crate::ui::{
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 use touchline_application::app::operations::UnderWay;
 use touchline_application::app::operations::camera_search::{Left, TwoCameras};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::Camera;
 
 /// Shows what can be done about a camera without a click; nothing where it has a base.
@@ -57,7 +57,7 @@ fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
         if let Some(shown) = shown
             && ui.button("Go there").on_hover_text("Go to the frame whose click decides.").clicked()
         {
-            panel.actions.push(Action::GoTo(shown));
+            panel.actions.push(Action::Navigate(Navigation::GoTo(shown)));
         }
         command(panel, ui, "Done", Command::StopFindCamera);
     });

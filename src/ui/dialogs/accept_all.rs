@@ -11,7 +11,7 @@ use egui::{
 };
 use std::sync::Arc;
 use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, EditAction, Navigation, ViewAction};
 use touchline_calibration::proposals::ExpectedWrong;
 
 /// The sheet's size, points.
@@ -87,7 +87,7 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     };
     ui.checkbox(&mut with, says).on_hover_text("A jump between neighbours means a wrong camera, a cut, or a fast pan.");
     if with != before {
-        panel.actions.push(Action::SetWithDisagreeing(with));
+        panel.actions.push(Action::View(ViewAction::SetWithDisagreeing(with)));
     }
 }
 
@@ -133,8 +133,8 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, number, small.clone(), ui.palette().weak);
     painter.text(egui::pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, confidence, small, ui.palette().text);
     if response.on_hover_text("Click to look at it first.").clicked() {
-        panel.actions.push(Action::CloseDialog);
-        panel.actions.push(Action::GoTo(index));
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
     }
 }
 
@@ -149,7 +149,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {number}")));
     response.on_hover_text("Accept it with the others.");
     if ticked != before {
-        panel.actions.push(Action::TickSuggestion { frame: index, ticked });
+        panel.actions.push(Action::View(ViewAction::TickSuggestion { frame: index, ticked }));
     }
 }
 
@@ -161,10 +161,10 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     }
     let undo = panel.app.settings.keys.shown(Command::Undo);
     if accept.on_hover_text(format!("Accept all of these at once. {undo} undoes it. (Enter)")).clicked() {
-        panel.actions.push(Action::AcceptAll);
+        panel.actions.push(Action::Edit(EditAction::AcceptAll));
     }
     if ui.button("Cancel").on_hover_text("Leave them as suggestions. (Esc)").clicked() {
-        panel.actions.push(Action::CloseDialog);
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
     }
     let said = format!("They become labels that are not used for training. {undo} undoes all of it.");
     ui.add(Label::new(RichText::new(said).small().color(ui.palette().weak)).truncate());

@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Label, RichText, vec2};
-use touchline_application::app::{Action, Command, OutsideChoice};
+use touchline_application::app::{Action, Command, OutsideChoice, ViewAction};
 
 /// What each choice is called, and what it does.
 const CHOICES: [(OutsideChoice, &str, &str); 3] = [
@@ -22,8 +22,8 @@ const CHOICES: [(OutsideChoice, &str, &str); 3] = [
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Changed by another program", vec2(560.0, 320.0), |panel, ui| {
-        let file = panel.app.session.changed_outside.as_ref().map(|file| file.display().to_string());
-        let own = panel.app.session.own_version.as_ref().map(|own| own.display().to_string());
+        let file = panel.app.session.disk.changed_outside.as_ref().map(|file| file.display().to_string());
+        let own = panel.app.session.disk.own_version.as_ref().map(|own| own.display().to_string());
         let own = own.map_or_else(String::new, |own| format!(" Your version is kept beside it as {own}."));
         let text = format!(
             "Another program changed {} after you opened it.{own} The document is not written until you choose.",
@@ -41,7 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         }
         let elsewhere = ui.add(Button::new("Save elsewhere…").min_size(vec2(180.0, 26.0)));
         if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
-            panel.actions.push(Action::CloseDialog);
+            panel.actions.push(Action::View(ViewAction::CloseDialog));
             panel.actions.push(Action::Command(Command::SaveAs));
         }
     });

@@ -7,7 +7,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
-use touchline_application::app::Action;
+use touchline_application::app::{Action, EditAction, ViewAction};
 use touchline_documents::document::Frame;
 
 /// Shows the sheet; `before` is the comment as it was when it opened.
@@ -31,10 +31,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let keep = ui.add(Button::new("Save comment").fill(ui.palette().accent_ground));
             if keep.on_hover_text("Save the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
-                panel.actions.push(Action::SetComment(typed.clone()));
+                panel.actions.push(Action::Edit(EditAction::SetComment(typed.clone())));
             }
             if ui.button("Cancel").on_hover_text("Leave the comment as it was. (Esc)").clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
         });
     });

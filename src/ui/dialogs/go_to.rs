@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
 use touchline_application::app::place::Place;
-use touchline_application::app::{Action, VideoAction, sentence};
+use touchline_application::app::{Action, Navigation, sentence};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
@@ -29,7 +29,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
             let go = ui.add_enabled(place.is_ok(), Button::new("Go").fill(ui.palette().accent_ground));
             let go = go.on_hover_text("Show this frame. (Enter)");
             if let (true, Ok(place)) = (go.clicked() || entered, &place) {
-                panel.actions.push(Action::Video(VideoAction::GoToPlace(*place)));
+                panel.actions.push(Action::Navigate(Navigation::GoToPlace(*place)));
             }
             place
         });

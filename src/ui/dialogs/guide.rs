@@ -11,8 +11,8 @@ use egui::{
     TextureOptions, Ui, WidgetInfo, vec2,
 };
 use image::ImageFormat;
-use touchline_application::app::Action;
 use touchline_application::app::guide::GuidePage;
+use touchline_application::app::{Action, ViewAction};
 use touchline_assets::guide;
 
 /// The text of a page.
@@ -43,14 +43,14 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
                 for other in GuidePage::ALL {
                     let button = Button::selectable(other == page, other.title()).min_size(vec2(LIST, 22.0));
                     if ui.add(button).clicked() {
-                        panel.actions.push(Action::ShowGuidePage(other));
+                        panel.actions.push(Action::View(ViewAction::ShowGuidePage(other)));
                     }
                 }
                 if leads_back {
                     ui.add_space(2.0 * theme::SPACE);
                     let back = ui.add(Button::new("Back").min_size(vec2(LIST, 22.0)));
                     if back.on_hover_text("Back to the dialog. (Esc)").clicked() {
-                        panel.actions.push(Action::CloseDialog);
+                        panel.actions.push(Action::View(ViewAction::CloseDialog));
                     }
                 }
             });

@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
-use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup};
+use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup, SettingsAction};
 
 /// Keys that are not commands and cannot be changed.
 const FIXED: [(&str, &str); 9] = [
@@ -62,7 +62,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     .on_hover_text("Give every command its default key.")
                     .on_disabled_hover_text("Every command has its default key.");
                 if reset.clicked() {
-                    panel.actions.push(Action::ResetKeys);
+                    panel.actions.push(Action::Settings(SettingsAction::ResetKeys));
                 }
             });
         });
@@ -141,7 +141,7 @@ fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
     let Some((key, modifiers)) = pressed else { return };
     set_waiting(ctx, None);
     if key != Key::Escape {
-        panel.actions.push(Action::AssignKey(command, chord(key, modifiers)));
+        panel.actions.push(Action::Settings(SettingsAction::AssignKey(command, chord(key, modifiers))));
     }
 }
 

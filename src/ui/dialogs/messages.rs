@@ -20,7 +20,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         }
         ui.add_space(theme::SPACE);
         ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            for (level, text) in panel.app.session.told.iter().rev() {
+            for (level, text) in panel.app.session.messages.log.iter().rev() {
                 ui.horizontal_top(|ui| {
                     let (sign, colour) = notices::look(ui.palette(), *level);
                     symbol::show(ui, sign, colour);

@@ -33,7 +33,7 @@ use egui::{
     Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText, Sense, Ui, Vec2, vec2,
 };
 use touchline_application::app::session::Dialog;
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// Shows the dialog that is open, if any.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
@@ -80,7 +80,7 @@ fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
         let (_, response) = ui.allocate_exact_size(all.size(), Sense::CLICK);
         ui.painter().rect_filled(all, 0.0, Color32::from_black_alpha(96));
         if response.clicked() {
-            panel.actions.push(Action::CloseDialog);
+            panel.actions.push(Action::View(ViewAction::CloseDialog));
         }
     });
 }
@@ -123,7 +123,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
             let palette = ui.palette();
             let close = symbol::button(ui, symbol::Symbol::Cross, &format!("Close: {title}"), palette.weak);
             if close.on_hover_text("Close. (Esc)").clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
             to_guide(panel, ui);
         });

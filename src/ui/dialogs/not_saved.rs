@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 use touchline_application::app::session::{Leaving, Saving};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
@@ -16,7 +16,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose edits", "Open"),
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
-        let (what, does) = match &panel.app.session.saving {
+        let (what, does) = match &panel.app.session.disk.saving {
             Saving::Failed { message, since } => {
                 let edits = since.as_ref().map_or_else(
                     || "Your edits are only in memory.".to_owned(),
@@ -38,11 +38,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let elsewhere = ui.add(Button::new("Save elsewhere…").fill(ui.palette().accent_ground));
             if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
             if ui.button("Cancel").on_hover_text("Continue working; saving is tried again. (Esc)").clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
             if ui.button(RichText::new(does).color(ui.palette().bad)).on_hover_text("This cannot be undone.").clicked()
             {

@@ -16,7 +16,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
         ui.add_space(2.0 * theme::SPACE);
         ScrollArea::vertical().id_salt("edits set aside").show(ui, |ui| {
-            for orphan in &panel.app.session.orphans.clone() {
+            for orphan in &panel.app.session.disk.orphans.clone() {
                 entry(panel, ui, orphan);
             }
         });

@@ -3,7 +3,7 @@
 use super::{frame, header, swatches};
 use crate::ui::{Panel, theme};
 use egui::{Area, Button, Context, Grid, Id, Order, Slider, Ui, vec2};
-use touchline_application::app::Action;
+use touchline_application::app::{Action, SettingsAction};
 use touchline_application::scene::{OverlayStyle, Sport};
 
 /// Shows the sheet at the upper left of the picture.
@@ -23,7 +23,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 let mut style = before;
                 controls(ui, &mut style);
                 if style != before {
-                    panel.actions.push(Action::SetOverlayStyle(style));
+                    panel.actions.push(Action::Settings(SettingsAction::OverlayStyle(style)));
                 }
             });
         });
@@ -37,8 +37,11 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
     let ground = sport.map(|sport| sport.ground);
     if let Some(taken) = swatches::show(ui, "", ground, panel.app.overlay_style().colour) {
         panel.actions.push(match sport {
-            Some(sport) => Action::SetLineColour(sport, taken),
-            None => Action::SetOverlayStyle(OverlayStyle { colour: taken, ..panel.app.settings.overlay }),
+            Some(sport) => Action::Settings(SettingsAction::LineColour(sport, taken)),
+            None => Action::Settings(SettingsAction::OverlayStyle(OverlayStyle {
+                colour: taken,
+                ..panel.app.settings.overlay
+            })),
         });
     }
     ui.add_space(2.0 * theme::SPACE);

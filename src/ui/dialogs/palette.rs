@@ -11,7 +11,7 @@ use egui::{
 };
 use std::cmp::Reverse;
 use touchline_application::app::synonyms::synonyms;
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, ViewAction};
 
 /// The palette's width, points.
 const WIDTH: f32 = 520.0;
@@ -86,7 +86,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
             let chosen = index == state.highlighted;
             let clicked = row(panel.app, ui, *command, chosen, chosen && (step != 0 || response.changed()));
             if (clicked || chosen && take) && panel.app.why_not(*command).is_none() {
-                panel.actions.extend([Action::CloseDialog, Action::Command(*command)]);
+                panel.actions.extend([Action::View(ViewAction::CloseDialog), Action::Command(*command)]);
             }
         }
     });

@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
-use touchline_application::app::{Action, Question};
+use touchline_application::app::{Action, Question, ViewAction};
 
 /// The title, the button's text, and an example.
 const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
@@ -55,7 +55,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
                 panel.actions.push(Action::Answer(question, PathBuf::from(path)));
             }
             if ui.button("Cancel").on_hover_text("Close without a change. (Esc)").clicked() {
-                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
         });
     });

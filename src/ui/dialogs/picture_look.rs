@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Area, Button, Context, Grid, Id, Order, Slider, vec2};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::PictureLook;
 
 /// Shows the sheet at the upper left of the picture.
@@ -47,7 +47,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 let tip = format!("{} opens and closes this.", panel.app.settings.keys.shown(Command::PictureLook));
                 ui.label(egui::RichText::new(tip).small().color(ui.palette().weak));
                 if look != before {
-                    panel.actions.push(Action::SetPictureLook(look));
+                    panel.actions.push(Action::Settings(SettingsAction::PictureLook(look)));
                 }
             });
         });

@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::SPORTS;
 
 /// Switches, with what the settings say of each.
@@ -74,7 +74,7 @@ fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
             (ThemeChoice::System, "As the system", "Dark or light, as the system has it."),
         ] {
             if ui.radio(before == choice, name).on_hover_text(tip).clicked() && before != choice {
-                panel.actions.push(Action::SetTheme(choice));
+                panel.actions.push(Action::Settings(SettingsAction::Theme(choice)));
             }
         }
     });
@@ -85,7 +85,7 @@ fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
     let reset = ui.add_enabled(sized, Button::new("Reset the sizes of the panels"));
     let reset = reset.on_hover_text("Give side panel and filmstrip their default sizes.");
     if reset.on_disabled_hover_text("The panels have their default sizes.").clicked() {
-        panel.actions.push(Action::SetPanelSizes { side: None, filmstrip: None });
+        panel.actions.push(Action::Settings(SettingsAction::PanelSizes { side: None, filmstrip: None }));
     }
 }
 
@@ -108,7 +108,7 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
     });
     if look != before {
-        panel.actions.push(Action::SetLoupe(look));
+        panel.actions.push(Action::Settings(SettingsAction::Loupe(look)));
     }
 }
 
@@ -121,7 +121,7 @@ fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.label(sport.name);
             let chosen = panel.app.settings.overlay_of(sport.id).colour;
             if let Some(taken) = swatches::show(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen) {
-                panel.actions.push(Action::SetLineColour(sport, taken));
+                panel.actions.push(Action::Settings(SettingsAction::LineColour(sport, taken)));
             }
             ui.end_row();
         }
@@ -140,7 +140,7 @@ fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
         );
     });
     if mib != before {
-        panel.actions.push(Action::SetPictureMemory(mib));
+        panel.actions.push(Action::Settings(SettingsAction::PictureMemory(mib)));
     }
 }
 
@@ -163,7 +163,7 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
         if !held && size != known {
-            panel.actions.push(Action::SetTextSize(size));
+            panel.actions.push(Action::Settings(SettingsAction::TextSize(size)));
         }
     });
 }

@@ -10,7 +10,7 @@ use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role, ScrollArea, Sense,
     Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
-use touchline_application::app::{Action, App};
+use touchline_application::app::{Action, App, EditAction};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
 
 /// The size of a drawing with its name, points.
@@ -39,7 +39,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                         card.request_focus();
                     }
                     if card.clicked() {
-                        panel.actions.push(Action::ChooseSport(name.to_owned()));
+                        panel.actions.push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
                     }
                 }
             });

@@ -12,10 +12,10 @@ use egui::{
     Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
-use touchline_application::app::Action;
 use touchline_application::app::App;
 use touchline_application::app::Command;
 use touchline_application::app::session::{Mode, PictureView};
+use touchline_application::app::{Action, EditAction};
 use touchline_application::render::Layer;
 use touchline_application::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
@@ -56,7 +56,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let spots = pick::spots(&field, &map, &placement);
     let lines = match &panel.app.session.mode {
         Mode::Naming(naming) => naming.lines,
-        _ => panel.app.session.next_on_line,
+        _ => panel.app.session.points.next_on_line,
     };
     let pointed =
         response.hover_pos().and_then(|at| pick::under(&field, &map, &placement, &spots, at, lines).zip(Some(at)));
@@ -82,7 +82,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         name(ui, at, &format!("{} · {}", panel.app.label(&target), code(&field, &target)));
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::Pick(target));
+            panel.actions.push(Action::Edit(EditAction::Pick(target)));
         }
     }
 }
@@ -144,7 +144,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
         standing: Standing::Solved,
         image_size: app.frame().map_or_else(|| map.size_px(), |frame| frame.image_size),
         clicks,
-        selected: app.session.selected,
+        selected: app.session.points.selected,
         disputed: shown.disputed,
         style: &app.overlay_style(),
         zoom: placement.scale,

@@ -8,7 +8,7 @@ use crate::ui::{
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
-use touchline_application::app::Action;
+use touchline_application::app::{Action, Navigation};
 
 /// The distance between the sheets of the stack, points.
 const SHEET: f32 = 3.0;
@@ -55,6 +55,6 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
     }
     let tip = format!("{said}. The forest does not recognise them. A label on one of them may answer the others.");
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::GoTo(middle));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(middle)));
     }
 }

@@ -14,7 +14,7 @@ use egui::{
 use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::session::{reason_label, status_label};
-use touchline_application::app::{Action, Command, OpenProject, PaintSays, sentence};
+use touchline_application::app::{Action, Command, Navigation, OpenProject, PaintSays, ViewAction, sentence};
 use touchline_documents::document::{Frame, FrameStatus, Solution};
 
 /// The height of the line below a thumbnail, points.
@@ -51,13 +51,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     if response.clicked() {
         let modifiers = ui.input(|input| input.modifiers);
         match (modifiers.shift, modifiers.command) {
-            (true, _) => panel.actions.push(Action::SelectFrame { frame: index, how: Selecting::Range }),
-            (false, true) => panel.actions.push(Action::SelectFrame { frame: index, how: Selecting::Toggle }),
-            (false, false) => panel.actions.extend([Action::SelectNoFrames, Action::GoTo(index)]),
+            (true, _) => {
+                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Range }));
+            }
+            (false, true) => {
+                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Toggle }));
+            }
+            (false, false) => panel
+                .actions
+                .extend([Action::View(ViewAction::SelectNoFrames), Action::Navigate(Navigation::GoTo(index))]),
         }
     }
     if response.secondary_clicked() {
-        panel.actions.push(Action::GoTo(index));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
     }
     response.context_menu(|ui| context_menu(panel, ui));
     tooltip(response, index, frame, app.paint_says(index));

@@ -7,8 +7,8 @@ mod strip;
 use super::{Panel, theme::Themed as _};
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 use strip::{Strip, StripCell};
-use touchline_application::app::Action;
 use touchline_application::app::session::Filter;
+use touchline_application::app::{Action, ViewAction};
 use touchline_documents::document::FrameStatus;
 
 /// The width of the column with the filter, points.
@@ -40,7 +40,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
                 let row = egui::Button::selectable(filter == chosen, filter.label())
                     .right_text(RichText::new(counts.shown_by(filter).to_string()).color(ui.palette().weak));
                 if ui.add(row).clicked() {
-                    panel.actions.push(Action::SetFilter(filter));
+                    panel.actions.push(Action::View(ViewAction::SetFilter(filter)));
                     ui.close();
                 }
             }

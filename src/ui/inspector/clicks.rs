@@ -10,7 +10,7 @@ use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
     WidgetInfo, pos2, vec2,
 };
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 use touchline_application::scene::drawing;
 use touchline_application::scene::overlay::{CHECK, click_colour};
 use touchline_core::solve::FrameSolution;
@@ -52,7 +52,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
 
 fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::PlaceOnLine;
-    let on = panel.app.session.next_on_line;
+    let on = panel.app.session.points.next_on_line;
     let palette = ui.palette();
     let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, palette.accent);
     if response.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
@@ -63,7 +63,7 @@ fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let app = panel.app;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
-    let selected = app.session.selected == Some(index);
+    let selected = app.session.points.selected == Some(index);
     if selected && has_been_selected(ui, index) {
         response.scroll_to_me(None);
     }
@@ -114,12 +114,14 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
 
     let response = response.on_hover_ui(|ui| tooltip(ui, app, index, click, &name));
     if response.double_clicked() {
-        panel.actions.extend([Action::Select(Some(index)), Action::Command(Command::RenameClick)]);
+        panel
+            .actions
+            .extend([Action::Navigate(Navigation::Select(Some(index))), Action::Command(Command::RenameClick)]);
     } else if response.clicked() {
-        panel.actions.push(Action::Select(Some(index)));
+        panel.actions.push(Action::Navigate(Navigation::Select(Some(index))));
     }
     if response.secondary_clicked() {
-        panel.actions.push(Action::Select(Some(index)));
+        panel.actions.push(Action::Navigate(Navigation::Select(Some(index))));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     let tail = Rect::from_min_max(pos2(rect.right() - buttons, rect.top()), rect.max);
@@ -146,12 +148,12 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
     let delete = symbol::button(ui, Symbol::Cross, &format!("Delete point {}", index + 1), palette.weak);
     let key = keys.shown(Command::DeleteClick);
     if delete.on_hover_text(format!("Delete this point. ({key} deletes the selected one)")).clicked() {
-        panel.actions.push(Action::DeleteClick(index));
+        panel.actions.push(Action::Edit(EditAction::DeleteClick(index)));
     }
     let name = format!("Check point {}", index + 1);
     let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, shown(CHECK));
     if check.on_hover_text(keys.tooltip(Command::ToggleCheck)).clicked() {
-        panel.actions.push(Action::SetCheck { click: index, check: !click.check });
+        panel.actions.push(Action::Edit(EditAction::SetCheck { click: index, check: !click.check }));
     }
 }
 

@@ -7,7 +7,7 @@ use crate::ui::{
 };
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::camera_text::CameraText;
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, EditAction, SettingsAction};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Solution, Target};
 
@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
     let response = response.on_hover_text("Uncertainties, residuals, the camera, every warning.");
     if response.clicked() {
-        panel.actions.push(Action::SetDetails(!open));
+        panel.actions.push(Action::Settings(SettingsAction::Details(!open)));
     }
     if has_just_unfolded(ui, open) && rect.top() > ui.clip_rect().center().y {
         response.scroll_to_me(Some(egui::Align::TOP));
@@ -172,7 +172,7 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
         );
         let button = Button::new(RichText::new(format!("{label}: {}", next.gain())).color(ui.palette().text));
         if ui.add(button.frame(false).truncate()).on_hover_text(tip).clicked() {
-            panel.actions.push(Action::Pick(target));
+            panel.actions.push(Action::Edit(EditAction::Pick(target)));
         }
     }
     ui.add_space(theme::SPACE);

@@ -6,7 +6,7 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Align, Button, Layout, RichText, Ui};
-use touchline_application::app::{Action, App};
+use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Angle;
 use touchline_documents::document::{Frame, FramePtz, SolutionSource};
@@ -98,7 +98,9 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 width: field,
             };
             ui.label("Pan");
-            number.show(ui, app, actions, |degrees| Action::EditPtz(Ptz { pan: Angle::from_degrees(degrees), ..ptz }));
+            number.show(ui, app, actions, |degrees| {
+                Action::Edit(EditAction::Ptz(Ptz { pan: Angle::from_degrees(degrees), ..ptz }))
+            });
             ui.label("Focal");
             let number = Number {
                 name: "Focal length",
@@ -112,7 +114,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 suffix: " px",
                 width: field,
             };
-            number.show(ui, app, actions, |focal_px| Action::EditPtz(Ptz { focal_px, ..ptz }));
+            number.show(ui, app, actions, |focal_px| Action::Edit(EditAction::Ptz(Ptz { focal_px, ..ptz })));
             ui.end_row();
             ui.label("Tilt");
             let number = Number {
@@ -127,7 +129,9 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 suffix: "°",
                 width: field,
             };
-            number.show(ui, app, actions, |degrees| Action::EditPtz(Ptz { tilt: Angle::from_degrees(degrees), ..ptz }));
+            number.show(ui, app, actions, |degrees| {
+                Action::Edit(EditAction::Ptz(Ptz { tilt: Angle::from_degrees(degrees), ..ptz }))
+            });
             ui.label("View");
             let number = Number {
                 name: "Field of view",
@@ -142,7 +146,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 width: field,
             };
             number.show(ui, app, actions, |degrees| {
-                Action::EditPtz(Ptz { focal_px: focal_px(degrees, width_px), ..ptz })
+                Action::Edit(EditAction::Ptz(Ptz { focal_px: focal_px(degrees, width_px), ..ptz }))
             });
             ui.end_row();
         });
@@ -169,7 +173,7 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let again = ui.add(Button::new("Solve again").small());
                 if again.on_hover_text("Solve from the points again and discard the numbers set manually.").clicked() {
-                    panel.actions.push(Action::SolveAgain);
+                    panel.actions.push(Action::Edit(EditAction::SolveAgain));
                 }
             });
         }
@@ -193,7 +197,7 @@ fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         ui.button("Set manually").on_hover_text("Start from a typical view and drag pan, tilt and focal length.");
     if by_hand.clicked() {
         let focal_px = START_FOCAL_WIDTHS * f64::from(frame.image_size.width);
-        panel.actions.push(Action::EditPtz(Ptz::from_degrees(0.0, START_TILT_DEG, focal_px)));
+        panel.actions.push(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.0, START_TILT_DEG, focal_px))));
     }
 }
 

@@ -8,7 +8,9 @@ use crate::ui::{
 use egui::{Button, Label, RichText, Ui};
 use touchline_application::app::review::percent;
 use touchline_application::app::selection::Scope;
-use touchline_application::app::{Action, App, CameraChoice, Command, sentence};
+use touchline_application::app::{
+    Action, App, CameraChoice, Command, EditAction, Navigation, SettingsAction, sentence,
+};
 use touchline_calibration::calibrate::CalibrationError;
 use touchline_core::solve::{SolveError, Verdict, Warning, WarningCode};
 use touchline_documents::document::{Frame, FrameStatus, Target};
@@ -103,7 +105,7 @@ fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
         "By default the forest is not trained with accepted proposals. Use them where no clicked reference looks.",
     );
     if used != before {
-        panel.actions.push(Action::SetUseForTraining { frame: panel.app.session.frame, used });
+        panel.actions.push(Action::Edit(EditAction::SetUseForTraining { frame: panel.app.session.frame, used }));
     }
 }
 
@@ -159,7 +161,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             let says = format!("Assign to {}", better.camera);
             if ui.add(Button::new(says).truncate()).on_hover_text("This frame fits that camera better.").clicked() {
                 let camera = CameraChoice::Known(better.camera.clone());
-                panel.actions.push(Action::AssignToCamera { scope: Scope::Frame, camera });
+                panel.actions.push(Action::Edit(EditAction::AssignToCamera { scope: Scope::Frame, camera }));
             }
         } else if let Some((command, word)) = mend {
             if ui.button(word).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
@@ -174,7 +176,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
         if more > 0 {
             let rest = Button::new(RichText::new(format!("{more} more")).color(ui.palette().caution)).frame(false);
             if ui.add(rest).on_hover_text("Show all warnings in the details.").clicked() {
-                panel.actions.push(Action::SetDetails(true));
+                panel.actions.push(Action::Settings(SettingsAction::Details(true)));
             }
         }
     });
@@ -200,12 +202,12 @@ fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
             let next = app.current().next_clicks.first()?;
             let target = Target::Landmark(next.id.clone());
             let about = format!("{}: {}. Then click it in the picture.", app.label(&target), next.gain());
-            Some(WayOut { word: "Next point", about, actions: vec![Action::Pick(target)] })
+            Some(WayOut { word: "Next point", about, actions: vec![Action::Edit(EditAction::Pick(target))] })
         }
         (WarningCode::Contradiction, [click]) => Some(WayOut {
             word: "Show point",
             about: format!("Select point {} and zoom in on it.", click + 1),
-            actions: vec![Action::Select(Some(*click)), Action::Command(Command::ZoomToClick)],
+            actions: vec![Action::Navigate(Navigation::Select(Some(*click))), Action::Command(Command::ZoomToClick)],
         }),
         _ => None,
     }

@@ -12,7 +12,7 @@ use egui::{Button, Label, RichText, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
 use touchline_application::app::operations::Compared;
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Navigation};
 use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use touchline_documents::document::Target;
 
@@ -90,7 +90,7 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
 }
 
 fn look_at(frame: &FrameAgreement, click: usize) -> Action {
-    Action::LookAt { frame: frame.frames[0], click: Some(click) }
+    Action::Navigate(Navigation::LookAt { frame: frame.frames[0], click: Some(click) })
 }
 
 fn describe(ui: &mut Ui, agreement: &Agreement) {
@@ -185,7 +185,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let (_, response) =
             Bar { name: &name, value: &value, share: px / largest, colour, selected, ..Bar::default() }.show(ui);
         if response.on_hover_text(tip(frame)).clicked() {
-            panel.actions.push(Action::LookAt { frame: frame.frames[0], click: None });
+            panel.actions.push(Action::Navigate(Navigation::LookAt { frame: frame.frames[0], click: None }));
         }
     }
 }

@@ -16,7 +16,7 @@ use touchline_application::app::quality::{
     Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, drawn, within_whole, zoomed,
 };
 use touchline_application::app::review::{DISAGREES_PX, percent};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Navigation, ViewAction};
 use touchline_core::geometry::Angle;
 use touchline_documents::document::Frame;
 use touchline_documents::report::figure::Ruler;
@@ -85,7 +85,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             (TimeAxis::Frame, "Frames", "Use frame numbers."),
         ] {
             if ui.add(Button::selectable(course.axis == axis, says).small()).on_hover_text(tip).clicked() {
-                actions.push(Action::SetTimeAxis(axis));
+                actions.push(Action::View(ViewAction::SetTimeAxis(axis)));
             }
         }
     }
@@ -186,7 +186,7 @@ impl Stack {
     fn read_pointer(&self, panel: &mut Panel<'_>, ui: &Ui, under: Option<&CoursePoint>, whole: [f64; 2]) {
         let is_part = self.span != whole;
         if let Some(point) = under.filter(|_| self.response.clicked()) {
-            panel.actions.push(Action::LookAt { frame: point.frame, click: None });
+            panel.actions.push(Action::Navigate(Navigation::LookAt { frame: point.frame, click: None }));
         }
         let per_point = (self.span[1] - self.span[0]) / f64::from(self.plots[0].area.width().max(1.0));
         let (mut moved, mut factor) = (f64::from(self.response.drag_delta().x), 1.0);
@@ -195,7 +195,7 @@ impl Stack {
             (factor, moved) = (f64::from(zoom), moved + f64::from(scrolled));
             if factor != 1.0 {
                 let around = self.plots[0].x_at(pointer.x);
-                panel.actions.push(Action::ShowSpan(zoomed(self.span, whole, around, factor)));
+                panel.actions.push(Action::View(ViewAction::ShowSpan(zoomed(self.span, whole, around, factor))));
             }
             let icon = match under {
                 _ if self.response.dragged() && is_part => CursorIcon::Grabbing,
@@ -207,7 +207,7 @@ impl Stack {
         if moved != 0.0 && factor == 1.0 && is_part {
             let by = moved * per_point;
             let span = within_whole([self.span[0] - by, self.span[1] - by], whole);
-            panel.actions.push(Action::ShowSpan(span));
+            panel.actions.push(Action::View(ViewAction::ShowSpan(span)));
         }
     }
 }
@@ -336,7 +336,7 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
                 .on_hover_text(format!("Look at frame {}.", frame.number_at(point.frame)))
                 .clicked()
             {
-                panel.actions.push(Action::LookAt { frame: point.frame, click: None });
+                panel.actions.push(Action::Navigate(Navigation::LookAt { frame: point.frame, click: None }));
             }
         }
         if let Some(more) = course.standing_out.len().checked_sub(NAMED).filter(|more| *more > 0) {

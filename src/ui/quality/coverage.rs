@@ -5,9 +5,9 @@ use crate::ui::coverage_map::{CoverageMap, label_next, missing, seen_by};
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
-use touchline_application::app::Action;
 use touchline_application::app::quality::{CoursePoint, PointKind, Seen};
 use touchline_application::app::where_to_label::whole_degrees;
+use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::Coverage;
 
 /// The map's height: at least, and as a share of its width, points.
@@ -107,6 +107,6 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &S
     let text = format!("{seen} Click to go to {name}, whose centre is nearest.");
     map.response.clone().on_hover_text_at_pointer(text);
     if map.response.clicked() {
-        panel.actions.push(Action::LookAt { frame: point.frame, click: None });
+        panel.actions.push(Action::Navigate(Navigation::LookAt { frame: point.frame, click: None }));
     }
 }

@@ -6,8 +6,8 @@ use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
-use touchline_application::app::Action;
 use touchline_application::app::quality::{ClickErrors, Histogram, Spread};
+use touchline_application::app::{Action, Navigation};
 use touchline_documents::report::figure::Ruler;
 
 /// The height of a histogram, points.
@@ -132,7 +132,7 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogr
     if let Some((frame, click)) = bin.worst {
         ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::LookAt { frame, click: Some(click) });
+            panel.actions.push(Action::Navigate(Navigation::LookAt { frame, click: Some(click) }));
         }
     }
     response.on_hover_text_at_pointer(format!("{range}: {count}; {right}.{there}"));

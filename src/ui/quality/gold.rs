@@ -5,7 +5,7 @@ use super::{card, nothing_yet};
 use crate::ui::bar::Bar;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Label, RichText, Ui, vec2};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Navigation};
 use touchline_calibration::calibrate::OwnNoise;
 use touchline_core::geometry::counted;
 use touchline_documents::document::{ClickNoise, Target};
@@ -42,7 +42,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     let text = format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
                     ui.label(RichText::new(text).color(ui.palette().strong));
                     if clicked {
-                        panel.actions.push(Action::LookAt { frame: repeat.frame, click: repeat.click });
+                        panel
+                            .actions
+                            .push(Action::Navigate(Navigation::LookAt { frame: repeat.frame, click: repeat.click }));
                     }
                 }
             });

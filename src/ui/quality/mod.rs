@@ -19,7 +19,7 @@ use super::{
 };
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, Navigation, ViewAction};
 
 /// Between cards, points.
 const GAP: f32 = 8.0;
@@ -73,7 +73,7 @@ fn off_paint(panel: &mut Panel<'_>, ui: &mut Ui) {
     let says = RichText::new(says).color(ui.palette().caution);
     let button = ui.button(says).on_hover_text("The paint contradicts the camera. Click to look at the first.");
     if button.clicked() {
-        panel.actions.push(Action::LookAt { frame: first, click: None });
+        panel.actions.push(Action::Navigate(Navigation::LookAt { frame: first, click: None }));
     }
 }
 
@@ -86,7 +86,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
     let shown = egui::ComboBox::from_id_salt("quality camera").selected_text(chosen.as_str()).show_ui(ui, |ui| {
         for camera in &open.document.cameras {
             if ui.selectable_label(camera.id == *chosen, camera.id.as_str()).clicked() {
-                panel.actions.push(Action::SetQualityCamera(camera.id.clone()));
+                panel.actions.push(Action::View(ViewAction::SetQualityCamera(camera.id.clone())));
                 ui.close();
             }
         }

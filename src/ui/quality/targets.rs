@@ -5,8 +5,8 @@ use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Id, RichText, Ui};
-use touchline_application::app::Action;
 use touchline_application::app::quality::TargetErrors;
+use touchline_application::app::{Action, Navigation};
 
 /// More landmarks than this are shown when asked for.
 const SHOWN: usize = 11;
@@ -73,6 +73,6 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
         errors.most_px, errors.expected_px
     );
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::LookAt { frame, click: Some(click) });
+        panel.actions.push(Action::Navigate(Navigation::LookAt { frame, click: Some(click) }));
     }
 }

@@ -13,7 +13,7 @@ use egui::{
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
-use touchline_application::app::{Action, Command, sentence};
+use touchline_application::app::{Action, Command, Navigation, ViewAction, sentence};
 
 /// The height of a row, points.
 const ROW: f32 = 44.0;
@@ -85,7 +85,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
     let held = ui.rect_contains_pointer(shown.inner_rect);
     if held != panel.app.session.review.held {
-        panel.actions.push(Action::HoldReview(held));
+        panel.actions.push(Action::View(ViewAction::HoldReview(held)));
     }
 }
 
@@ -209,7 +209,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let why = unlikely.map(|why| format!(" {}", sentence(why))).unwrap_or_default();
     let tip = format!("{}: {is}{confidence}{neighbours}{paint}.{why}{still} Click to look at it.", frame.name());
     if response.clicked() || response.secondary_clicked() {
-        panel.actions.push(Action::GoTo(row.frame));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(row.frame)));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     response.on_hover_text(tip);

@@ -9,7 +9,7 @@ use super::{
 };
 use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -60,7 +60,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
             for order in ReviewOrder::ALL {
                 let says = Button::selectable(order == chosen, order.label());
                 if ui.add(says).on_hover_text(order.about()).clicked() {
-                    panel.actions.push(Action::SetReviewOrder(order));
+                    panel.actions.push(Action::View(ViewAction::SetReviewOrder(order)));
                 }
             }
         });
@@ -71,7 +71,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
             let before = one;
             ui.checkbox(&mut one, "One per shot").on_hover_text("List only the first of each shot in this order.");
             if one != before {
-                panel.actions.push(Action::SetOnePerShot(one));
+                panel.actions.push(Action::View(ViewAction::SetOnePerShot(one)));
             }
         });
     }
@@ -138,6 +138,6 @@ pub fn threshold(panel: &mut Panel<'_>, ui: &mut Ui) {
     let tip = "Suggestions with at least this confidence are accepted together.";
     ui.add(field).accessible_name("Accept above, per cent").on_hover_text(tip);
     if percent != before {
-        panel.actions.push(Action::SetReviewThreshold(percent / 100.0));
+        panel.actions.push(Action::View(ViewAction::SetReviewThreshold(percent / 100.0)));
     }
 }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_application::app::place::time_code;
 use touchline_application::app::session::status_label;
-use touchline_application::app::{Action, App, Command, OpenProject, VideoAction};
+use touchline_application::app::{Action, App, Command, EditAction, Navigation, OpenProject, ViewAction};
 use touchline_application::scene::timeline::{Timeline, TimelineCut, TimelineSource};
 use touchline_documents::document::{FrameStatus, ShotKind};
 
@@ -92,7 +92,7 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
         // A quick click is over before the button is seen down.
         let pressed = response.is_pointer_button_down_on() || response.clicked();
         if pressed && near.is_none() && over != panel.app.session.frame {
-            panel.actions.extend([Action::Video(VideoAction::Pause), Action::GoTo(over)]);
+            panel.actions.extend([Action::View(ViewAction::Pause), Action::Navigate(Navigation::GoTo(over))]);
         }
         return None;
     };
@@ -100,7 +100,7 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
         ui.data_mut(|data| data.remove::<TimelineCut>(memory));
         let number = |position: usize| panel.app.open()?.frame(position)?.video.as_ref().map(|video| video.frame_index);
         if let Some(to) = number(over).filter(|_| over != cut.position) {
-            panel.actions.push(Action::Video(VideoAction::MoveCut { cut: cut.frame_index, to }));
+            panel.actions.push(Action::Edit(EditAction::MoveCut { cut: cut.frame_index, to }));
         }
         return None;
     }
@@ -143,7 +143,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
         if let Some(cut) = cut {
             ui.label(egui::RichText::new(described(cut.kind)).color(ui.palette().weak));
         }
-        if app.shots().is_none() && app.session.video.search.is_none() {
+        if app.shots().is_none() && app.operations.shot_search.running().is_none() {
             ui.label(egui::RichText::new("Right-click: cuts").color(ui.palette().weak));
         }
     });

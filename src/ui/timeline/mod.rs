@@ -12,7 +12,7 @@ use egui::{Align, Button, ComboBox, Layout, RichText, Ui, vec2};
 use touchline_application::app::place::time_code;
 use touchline_application::app::playing::SPEEDS;
 use touchline_application::app::video::PlaySpeed;
-use touchline_application::app::{Action, App, Command, VideoAction};
+use touchline_application::app::{Action, App, Command, ViewAction};
 
 /// The height of the timeline, points.
 pub const HEIGHT: f32 = 36.0;
@@ -45,7 +45,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     let combo = ComboBox::from_id_salt("speed").width(52.0).selected_text(label(chosen)).show_ui(ui, |ui| {
         for speed in SPEEDS {
             if ui.selectable_label(speed == chosen, label(speed)).clicked() {
-                panel.actions.push(Action::Video(VideoAction::SetSpeed(PlaySpeed(speed))));
+                panel.actions.push(Action::View(ViewAction::SetSpeed(PlaySpeed(speed))));
             }
         }
     });

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 use touchline_application::app::playing::PlayClock;
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, VideoAction};
+use touchline_application::app::{Action, Navigation, ViewAction};
 
 /// How soon it is looked again whether a frame has been decoded.
 const LOOK_AGAIN: Duration = Duration::from_millis(20);
@@ -21,7 +21,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
     };
     let last = open.document.frames.len().saturating_sub(1);
     if session.mode != Mode::Idle || session.dialog.is_some() || session.frame >= last {
-        panel.actions.push(Action::Video(VideoAction::Pause));
+        panel.actions.push(Action::View(ViewAction::Pause));
         return;
     }
     let (shown, speed) = (session.frame, session.video.speed.0);
@@ -30,7 +30,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
     let decoded: BTreeSet<usize> = panel.pictures.decoded().into_iter().collect();
     let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
     if due != shown {
-        panel.actions.push(Action::GoTo(due));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(due)));
     }
     let wait = if decoded.contains(&(due + 1)) { clock.until_next_s(now_s, open) } else { LOOK_AGAIN.as_secs_f64() };
     ctx.request_repaint_after(Duration::from_secs_f64(wait));

@@ -6,8 +6,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
-use touchline_application::app::Action;
 use touchline_application::app::where_to_label::whole_degrees;
+use touchline_application::app::{Action, Navigation};
 use touchline_calibration::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 
 /// How many of the worst are listed.
@@ -78,7 +78,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     let confidence = asked.found.map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::GoTo(place));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(place)));
     }
 }
 

@@ -13,7 +13,7 @@ use egui::{
     Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
 use touchline_application::app::{
-    Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference, describe_left,
+    Action, Command, Doing, EditAction, ForestFacts, Navigation, TrainerStatus, UnusableReference, describe_left,
 };
 use touchline_calibration::proposals::Suspect;
 use touchline_core::geometry::thousands;
@@ -130,7 +130,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         let tip = panel.app.settings.keys.tooltip(Command::UseForTraining);
         ui.add(Checkbox::new(&mut used, "Use this frame for training")).on_hover_text(tip);
         if used != before {
-            panel.actions.push(Action::SetUseForTraining { frame: shown, used });
+            panel.actions.push(Action::Edit(EditAction::SetUseForTraining { frame: shown, used }));
         }
     }
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {
@@ -141,7 +141,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         let palette = ui.palette();
         remark(ui, Symbol::Warning, palette.caution, &format!("{name} cannot be used: {error}"));
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.push(Action::GoTo(place));
+            panel.actions.push(Action::Navigate(Navigation::GoTo(place)));
         }
     }
     if let Some(more) = status.failed.len().checked_sub(FAILED_SHOWN).filter(|more| *more > 0) {
@@ -164,7 +164,7 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
     let palette = ui.palette();
     remark(ui, Symbol::Warning, palette.caution, &text);
     if ui.add(Button::new("Look").small()).clicked() {
-        panel.actions.push(Action::GoTo(place));
+        panel.actions.push(Action::Navigate(Navigation::GoTo(place)));
     }
 }
 

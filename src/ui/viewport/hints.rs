@@ -42,17 +42,17 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     let session = &panel.app.session;
     let frame = panel.app.frame()?;
     let keys = &panel.app.settings.keys;
-    if session.masks {
+    if session.picture.masks {
         let done = keys.shown(Command::ShowMasks);
         return Some(format!(
             "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} or Esc when done."
         ));
     }
-    if session.held.compare {
+    if session.picture.held.compare {
         let shown = if has_proposal(panel) { "The current base" } else { "The other solution" };
         return Some(shown.to_owned());
     }
-    if session.held.before_snap && panel.app.before_snap().is_some() {
+    if session.picture.held.before_snap && panel.app.before_snap().is_some() {
         return Some("Before it was snapped".to_owned());
     }
     if has_proposal(panel) {
@@ -69,7 +69,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         let key = keys.shown(Command::Reject);
         return Some(format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."));
     }
-    (session.next_on_line && session.mode == Mode::Idle)
+    (session.points.next_on_line && session.mode == Mode::Idle)
         .then(|| format!("The next click is a point on a line. {} changes that.", keys.shown(Command::PlaceOnLine)))
 }
 
@@ -79,7 +79,7 @@ fn has_proposal(panel: &Panel<'_>) -> bool {
 
 /// Highlights points without a name.
 fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
-    if panel.app.session.held.hide_overlay {
+    if panel.app.session.picture.held.hide_overlay {
         return;
     }
     let clicks = panel.app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
@@ -100,8 +100,8 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         Mode::Idle => {
             just_snapped(panel, ui, placement, painter);
             let names = typing::names_placed(ui.ctx());
-            let shown = |_: &usize| recently(ui, "named automatically", session.named_unasked) || names;
-            let Some(click) = session.named_unasked.filter(shown) else { return };
+            let shown = |_: &usize| recently(ui, "named automatically", session.points.named_unasked) || names;
+            let Some(click) = session.points.named_unasked.filter(shown) else { return };
             let hint = if names {
                 "type to change it, Enter keeps it".to_owned()
             } else {
@@ -130,11 +130,11 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
 fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
     let clicks = panel.app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
-    let newest = session.just_snapped.last().copied();
+    let newest = session.points.just_snapped.last().copied();
     if newest.is_none() || !recently(ui, "just snapped", newest) {
         return;
     }
-    for click in session.just_snapped.iter().filter_map(|click| clicks.get(*click)) {
+    for click in session.points.just_snapped.iter().filter_map(|click| clicks.get(*click)) {
         let at = placement.screen_from_image(click.image) + vec2(0.0, -26.0);
         let style = PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE);
         plate(painter, at, Align2::CENTER_CENTER, "snapped", style);

@@ -16,8 +16,8 @@ use super::placement::Placement;
 use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
-use touchline_application::app::Action;
 use touchline_application::app::session::Mode;
+use touchline_application::app::{Action, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
@@ -54,7 +54,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     let Some(before) = ctx.read_response(id()) else { return };
     let Some(frame) = panel.app.frame() else { return };
     let session = &panel.app.session;
-    let placement = Placement::new(before.rect, ctx.pixels_per_point(), frame.image_size, session.view);
+    let placement = Placement::new(before.rect, ctx.pixels_per_point(), frame.image_size, session.picture.view);
     let layer = before.layer_id;
     let is_free =
         |at| before.rect.contains(at) && before.enabled() && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer);
@@ -65,9 +65,9 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         placement,
         clicks: &clicks,
         mode: &session.mode,
-        hover: session.hover,
+        hover: session.points.hover,
         ready: shown_picture(panel, frame.image_size).is_ok(),
-        masks: session.masks,
+        masks: session.picture.masks,
         space: ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused(),
         is_free: &is_free,
     };
@@ -116,9 +116,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
         return;
     };
     let expected = frame.image_size;
-    let placement = Placement::new(rect, pixels_per_point, expected, panel.app.session.view);
-    if panel.app.session.fit_scale != placement.fit_scale {
-        panel.actions.push(Action::FitScale(placement.fit_scale));
+    let placement = Placement::new(rect, pixels_per_point, expected, panel.app.session.picture.view);
+    if panel.app.session.picture.fit_scale != placement.fit_scale {
+        panel.actions.push(Action::View(ViewAction::FitScale(placement.fit_scale)));
     }
     match shown_picture(panel, expected) {
         Ok((key, picture)) => {
@@ -170,7 +170,7 @@ fn show_frame(
         return;
     }
     let overlay = Overlay::new(panel.app, hold, placement.scale);
-    let look = panel.app.settings.picture.dimmed(if panel.app.session.masks { BELOW_MASKS } else { 1.0 });
+    let look = panel.app.settings.picture.dimmed(if panel.app.session.picture.masks { BELOW_MASKS } else { 1.0 });
     let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look });
     let trust = trust::layer(panel.app);
     let layers = std::iter::once(picture.clone()).chain(trust).chain(overlay.layers()).collect();
@@ -209,7 +209,7 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) 
                 panel.app.frame().into_iter().flat_map(|frame| &frame.clicks).map(|click| click.image).collect();
             if ui.input(|input| input.key_down(Key::Space)) {
                 CursorIcon::Grab
-            } else if !panel.app.session.masks && pointer::click_at(placement, &clicks, at).is_some() {
+            } else if !panel.app.session.picture.masks && pointer::click_at(placement, &clicks, at).is_some() {
                 CursorIcon::Move
             } else {
                 CursorIcon::Crosshair

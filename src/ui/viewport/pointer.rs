@@ -5,8 +5,8 @@
 use super::wheel::Gesture;
 use crate::ui::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
-use touchline_application::app::Action;
 use touchline_application::app::session::{Mode, PictureView};
+use touchline_application::app::{Action, EditAction, PointerAction, ViewAction};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// The distance within which a press grabs a click, points.
@@ -165,7 +165,7 @@ impl Reading<'_> {
                 };
                 let held = on.and_then(|on| self.around.clicks.get(on)).copied().unwrap_or(in_image);
                 self.pointer.hold = Hold::Click { at: held, pressed: at, moving: false };
-                self.actions.push(Action::Press { at: in_image, on });
+                self.actions.push(Action::Pointer(PointerAction::Press { at: in_image, on }));
             }
             _ => {}
         }
@@ -184,10 +184,10 @@ impl Reading<'_> {
                 let at = at.moved(along * if modifiers.shift { FINE } else { 1.0 });
                 self.pointer.hold = Hold::Click { at, pressed, moving: true };
                 // Only the last position within a frame counts.
-                if let Some(Action::Drag(_)) = self.actions.last() {
+                if let Some(Action::Pointer(PointerAction::Drag(_))) = self.actions.last() {
                     self.actions.pop();
                 }
-                self.actions.push(Action::Drag(at));
+                self.actions.push(Action::Pointer(PointerAction::Drag(at)));
             }
             Hold::Picture(_) => self.show(self.placement.panned(to - from)),
             Hold::Mask { from, of_camera, .. } => {
@@ -211,10 +211,14 @@ impl Reading<'_> {
     fn let_go(&mut self, modifiers: Modifiers) {
         let held = std::mem::take(&mut self.pointer.hold);
         if let Hold::Click { .. } = held {
-            self.actions.push(if modifiers.alt { Action::ReleaseExactly } else { Action::Release });
+            self.actions.push(if modifiers.alt {
+                Action::Pointer(PointerAction::ReleaseExactly)
+            } else {
+                Action::Pointer(PointerAction::Release)
+            });
         }
         if let Some((of_camera, mask)) = held.mask() {
-            self.actions.push(Action::AddMask { of_camera, mask });
+            self.actions.push(Action::Edit(EditAction::AddMask { of_camera, mask }));
         }
     }
 
@@ -228,7 +232,7 @@ impl Reading<'_> {
 
     fn show(&mut self, view: PictureView) {
         self.placement = self.placement.showing(view);
-        self.actions.push(Action::View(view));
+        self.actions.push(Action::View(ViewAction::Picture(view)));
     }
 
     fn hover(&mut self) {
@@ -240,7 +244,7 @@ impl Reading<'_> {
             .map(|at| self.placement.image_from_screen(at))
             .filter(|at| self.placement.image_size.contains(*at));
         if hovered != self.around.hover {
-            self.actions.push(Action::Hover(hovered));
+            self.actions.push(Action::Pointer(PointerAction::Hover(hovered)));
         }
     }
 
@@ -272,7 +276,7 @@ mod tests {
             is_free: &|at| rect.contains(at),
         };
         let mut actions = pointer.read(events, modifiers, &around);
-        actions.retain(|action| !matches!(action, Action::Hover(_)));
+        actions.retain(|action| !matches!(action, Action::Pointer(PointerAction::Hover(_))));
         actions
     }
 
@@ -287,8 +291,8 @@ mod tests {
         let at = pos2(100.25, 50.5);
         let actions =
             read(&mut Pointer::default(), &[button(at, true), button(at, false)], Modifiers::NONE, &Mode::Idle);
-        let press = Action::Press { at: ImagePoint::new(200.5, 101.0), on: None };
-        assert_eq!(actions, [press, Action::Release]);
+        let press = Action::Pointer(PointerAction::Press { at: ImagePoint::new(200.5, 101.0), on: None });
+        assert_eq!(actions, [press, Action::Pointer(PointerAction::Release)]);
     }
 
     #[test]
@@ -296,9 +300,9 @@ mod tests {
         let mut pointer = Pointer::default();
         let events = [button(pos2(201.0, 203.0), true), Event::PointerMoved(pos2(202.0, 204.0))];
         let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
-        assert_eq!(actions, [Action::Press { at: ImagePoint::new(402.0, 406.0), on: Some(0) }]);
+        assert_eq!(actions, [Action::Pointer(PointerAction::Press { at: ImagePoint::new(402.0, 406.0), on: Some(0) })]);
         let actions = read(&mut pointer, &[button(pos2(202.0, 204.0), false)], Modifiers::NONE, &DRAGGING);
-        assert_eq!(actions, [Action::Release]);
+        assert_eq!(actions, [Action::Pointer(PointerAction::Release)]);
     }
 
     #[test]
@@ -307,9 +311,13 @@ mod tests {
         read(&mut pointer, &[button(pos2(201.0, 203.0), true)], Modifiers::NONE, &Mode::Idle);
         let moves = [Event::PointerMoved(pos2(210.0, 203.0)), Event::PointerMoved(pos2(221.0, 213.0))];
         let actions = read(&mut pointer, &moves, Modifiers::NONE, &DRAGGING);
-        assert_eq!(actions, [Action::Drag(ImagePoint::new(440.0, 420.0))], "one drag a frame of the window");
+        assert_eq!(
+            actions,
+            [Action::Pointer(PointerAction::Drag(ImagePoint::new(440.0, 420.0)))],
+            "one drag a frame of the window"
+        );
         let actions = read(&mut pointer, &[Event::PointerMoved(pos2(231.0, 213.0))], Modifiers::SHIFT, &DRAGGING);
-        assert_eq!(actions, [Action::Drag(ImagePoint::new(442.0, 420.0))]);
+        assert_eq!(actions, [Action::Pointer(PointerAction::Drag(ImagePoint::new(442.0, 420.0)))]);
     }
 
     #[test]
@@ -319,7 +327,10 @@ mod tests {
         read(&mut pointer, &[button(at, true)], Modifiers::NONE, &Mode::Idle);
         let released =
             Event::PointerButton { pos: at, button: PointerButton::Primary, pressed: false, modifiers: Modifiers::ALT };
-        assert_eq!(read(&mut pointer, &[released], Modifiers::ALT, &DRAGGING), [Action::ReleaseExactly]);
+        assert_eq!(
+            read(&mut pointer, &[released], Modifiers::ALT, &DRAGGING),
+            [Action::Pointer(PointerAction::ReleaseExactly)]
+        );
     }
 
     #[test]
@@ -334,7 +345,7 @@ mod tests {
     fn with_a_chosen_name_a_click_near_another_point_places_a_new_one() {
         let mode = Mode::Placing(touchline_documents::document::Target::Landmark("centre_mark".into()));
         let actions = read(&mut Pointer::default(), &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &mode);
-        assert_eq!(actions, [Action::Press { at: ImagePoint::new(400.0, 400.0), on: None }]);
+        assert_eq!(actions, [Action::Pointer(PointerAction::Press { at: ImagePoint::new(400.0, 400.0), on: None })]);
     }
 
     #[test]
@@ -352,7 +363,7 @@ mod tests {
             middle(pos2(260.0, 200.0), false),
         ];
         let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
-        assert!(actions.iter().all(|action| matches!(action, Action::View(_))), "{actions:?}");
+        assert!(actions.iter().all(|action| matches!(action, Action::View(ViewAction::Picture(_)))), "{actions:?}");
         assert_eq!(pointer.hold, Hold::Nothing);
     }
 }

@@ -27,18 +27,18 @@ impl Overlay {
 
     fn without(app: &App, left_out: Option<usize>, hold: &Hold, zoom: f64) -> Self {
         let mut drawings = Vec::new();
-        if app.session.held.hide_overlay {
+        if app.session.picture.held.hide_overlay {
             return Self::default();
         }
         if let (Some(frame), Some(field)) = (app.frame(), app.current().field()) {
-            let proposal = app.current().proposal.as_ref().filter(|_| !app.session.held.compare);
+            let proposal = app.current().proposal.as_ref().filter(|_| !app.session.picture.held.compare);
             let field = proposal.map_or(field, |proposal| &proposal.field);
             let camera = match proposal {
                 Some(proposal) => proposal.camera,
-                None if app.session.held.before_snap => app.before_snap().copied().or(app.current().camera),
+                None if app.session.picture.held.before_snap => app.before_snap().copied().or(app.current().camera),
                 None => app.current().camera,
             };
-            let compared = app.current().alternative().filter(|_| app.session.held.compare);
+            let compared = app.current().alternative().filter(|_| app.session.picture.held.compare);
             let preview = compared.as_ref().or(app.current().preview.as_ref()).filter(|_| proposal.is_none());
             let style = app.overlay_style();
             let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };
@@ -48,7 +48,7 @@ impl Overlay {
                 standing: if frame.status == FrameStatus::Suggested { Standing::Proposed } else { Standing::Solved },
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
-                selected: app.session.selected,
+                selected: app.session.points.selected,
                 disputed: app.shown().disputed,
                 style: if preview.is_some() { &behind } else { &style },
                 zoom,

@@ -30,7 +30,7 @@ const LEGEND: egui::Vec2 = vec2(284.0, 52.0);
 pub fn layer(app: &App) -> Option<Layer> {
     let (solved, camera) = known(app)?;
     let image_size = app.frame()?.image_size;
-    match app.session.uncertainty {
+    match app.session.picture.uncertainty {
         UncertaintyView::Off => None,
         UncertaintyView::Band => {
             let field = app.current().field()?;
@@ -44,7 +44,7 @@ pub fn layer(app: &App) -> Option<Layer> {
 }
 
 fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
-    if app.session.held.hide_overlay || app.current().proposal.is_some() {
+    if app.session.picture.held.hide_overlay || app.current().proposal.is_some() {
         return None;
     }
     Some((app.current().solved()?, app.current().camera.as_ref()?))
@@ -53,7 +53,7 @@ fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
 /// The legend in the picture's lower right.
 pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let app = panel.app;
-    if app.session.uncertainty == UncertaintyView::Off || app.session.held.hide_overlay {
+    if app.session.picture.uncertainty == UncertaintyView::Off || app.session.picture.held.hide_overlay {
         return;
     }
     let corner = placement.rect.right_bottom() - vec2(12.0, 12.0);
@@ -67,14 +67,14 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
         return;
     };
     let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
-    let here = app.session.hover.filter(|at| placement.image_size.contains(*at)).and_then(sigma_at);
+    let here = app.session.points.hover.filter(|at| placement.image_size.contains(*at)).and_then(sigma_at);
     let value = here.map_or_else(
         || format!("worst corner ±{:.1} px", solved.worst_corner_sigma_px),
         |px| format!("here ±{px:.1} px"),
     );
     let title = format!("1-σ of the lines: {value}");
     painter.text(inside.left_top(), Align2::LEFT_TOP, title, font, theme::ON_PICTURE.strong);
-    if app.session.uncertainty == UncertaintyView::Band {
+    if app.session.picture.uncertainty == UncertaintyView::Band {
         let text = "The band contains the true line in 68 of 100 cases.";
         painter.text(
             inside.left_bottom(),

@@ -1,6 +1,7 @@
 //! A request as `jobs` sees it, and what its work is given.
 
 use super::{Breakdown, Cancellation, Failure, Operation, Report, RequestId, Running};
+use std::any::Any;
 use std::fmt;
 use std::io;
 use std::ops::ControlFlow;
@@ -12,6 +13,7 @@ use touchline_vision::media::ReadFrames;
 pub struct Job {
     id: RequestId,
     name: &'static str,
+    operation: Arc<dyn Any + Send + Sync>,
     cancellation: Cancellation,
     run: Arc<RunJob>,
     fail: fn(RequestId, Breakdown) -> Report,
@@ -24,6 +26,7 @@ impl Job {
     pub(in crate::app) fn new<O: Operation>(id: RequestId, operation: O) -> (Running<O>, Self) {
         let (operation, cancellation) = (Arc::new(operation), Cancellation::default());
         let running = Running::new(id, Arc::clone(&operation), cancellation.clone());
+        let input: Arc<dyn Any + Send + Sync> = Arc::clone(&operation) as _;
         let asked = cancellation.clone();
         let run = move |decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)| {
             let send = |progress| send(Report::of_progress::<O>(id, progress));
@@ -31,7 +34,7 @@ impl Job {
             Report::of_end::<O>(id, operation.run(&context).map_err(Failure::Failed))
         };
         let fail = |id, breakdown| Report::of_end::<O>(id, Err(Failure::Broken(breakdown)));
-        (running, Self { id, name: O::NAME, cancellation, run: Arc::new(run), fail })
+        (running, Self { id, name: O::NAME, operation: input, cancellation, run: Arc::new(run), fail })
     }
 
     /// The number of the request.
@@ -44,6 +47,12 @@ impl Job {
     #[must_use]
     pub const fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// What is to be done, where that is of this kind: for tests, which look at what was started.
+    #[must_use]
+    pub fn operation<O: Operation>(&self) -> Option<&O> {
+        self.operation.downcast_ref()
     }
 
     /// Whether nobody waits for it any more.

@@ -55,6 +55,12 @@ impl<O: Operation> Running<O> {
         Self { id, operation, progress: None, cancellation }
     }
 
+    /// The number of the request.
+    #[must_use]
+    pub const fn id(&self) -> RequestId {
+        self.id
+    }
+
     /// What is being done.
     #[must_use]
     pub fn operation(&self) -> &O {

@@ -247,11 +247,15 @@ impl App {
 
     fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
         self.operations.camera_search.found = Some(Arc::clone(&found));
-        self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Unclicked(found));
+        self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Unclicked(found), |app, change| {
+            if let BulkChange::Unclicked(found) = change {
+                app.tell_found_camera(found);
+            }
+        });
     }
 
     /// Tells of a camera that has been found and written into the document.
-    pub(in crate::app) fn tell_found_camera(&mut self, found: &FoundCamera) {
+    fn tell_found_camera(&mut self, found: &FoundCamera) {
         self.session.retract(Command::FindCamera);
         self.session.retract(Command::EstimateBase);
         self.tell_assumed_size();

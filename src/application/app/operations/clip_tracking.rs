@@ -9,11 +9,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{
-    ClipEvidence, ClipFrames, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
-    clips, length_on_lines, record_tracked, track_clip,
+    BulkChange, ClipEvidence, ClipFrames, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
+    TrackedFrame, clips, length_on_lines, record_tracked, take_length, track_clip,
 };
 use touchline_calibration::proposals::read_picture;
-use touchline_core::field::FieldModel;
+use touchline_core::field::{FieldError, FieldModel};
 use touchline_documents::document::{Camera, Document, Frame, Step};
 use touchline_vision::media::ReadFrames;
 
@@ -36,7 +36,7 @@ pub struct CarriedClip {
     /// What the pictures say, for when a frame is corrected.
     evidence: Arc<ClipEvidence>,
     /// Another length of the field, where the painted lines of the carried frames ask for it.
-    length: Option<LengthOnLines>,
+    length: Result<Option<LengthOnLines>, FieldError>,
 }
 
 /// Why no cameras were carried.
@@ -64,6 +64,8 @@ struct LastCarried {
     evidence: Arc<ClipEvidence>,
     /// Their frames as they were before.
     before: Vec<Frame>,
+    /// The length of the field that their painted lines ask for and that nobody has stated.
+    length: Option<LengthOnLines>,
 }
 
 // ---- The work ----
@@ -82,7 +84,7 @@ impl Operation for ClipTracking {
         let mut evidence = (*self.evidence).clone();
         let watch = &mut |progress| context.report(progress);
         let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, watch)?;
-        let length = if self.is_again() { None } else { self.measure_length(&tracked, &mut *reader) };
+        let length = if self.is_again() { Ok(None) } else { self.measure_length(&tracked, &mut *reader) };
         Ok(CarriedClip { tracked, evidence: evidence.into(), length })
     }
 
@@ -115,11 +117,15 @@ impl ClipTracking {
     }
 
     /// The length of the field that the tracked frames ask for, if it is another than was assumed.
-    fn measure_length(&self, tracked: &TrackedClip, reader: &mut dyn ReadFrames) -> Option<LengthOnLines> {
+    fn measure_length(
+        &self,
+        tracked: &TrackedClip,
+        reader: &mut dyn ReadFrames,
+    ) -> Result<Option<LengthOnLines>, FieldError> {
         let mut document = self.document.clone();
         record_tracked(&mut document, tracked);
         let mut picture = |frame: &Frame| read_picture(reader, frame, &self.folder).ok();
-        length_on_lines(document.at(&self.folder), &mut picture).ok()?
+        length_on_lines(document.at(&self.folder), &mut picture)
     }
 
     /// The part of a tracked clip that a document still has: frames are found again by their ids, and those that people have
@@ -144,7 +150,10 @@ impl App {
         let ClipTrackingState { slot, carried } = &self.operations.clip_tracking;
         match command {
             Command::Track => self.why_not_track(),
-            Command::DiscardCarried if self.is_read_only() => Some("The document is read-only."),
+            Command::DiscardCarried | Command::TakeLength if self.is_read_only() => Some("The document is read-only."),
+            Command::TakeLength if carried.as_ref().is_none_or(|carried| carried.length.is_none()) => {
+                Some("No other length of the field was measured.")
+            }
             Command::DiscardCarried if carried.is_none() => Some("No cameras were carried."),
             Command::StopTracking if !slot.is_running() => Some("No cameras are being carried."),
             _ => None,
@@ -181,6 +190,7 @@ impl App {
                 self.session.notify(Level::Info, "Carrying cameras was stopped; nothing was changed.");
             }
             Command::DiscardCarried => self.discard_carried(),
+            Command::TakeLength => self.take_measured_length(),
             _ => {}
         }
     }
@@ -218,7 +228,7 @@ impl App {
             Some(last) => last.before,
             None => taken.frames.iter().filter_map(replaced).collect(),
         };
-        self.operations.clip_tracking.carried = Some(LastCarried { evidence, before });
+        self.operations.clip_tracking.carried = Some(LastCarried { evidence, before, length: None });
         if count > 0 {
             if !self.begin_step(Step::on_document("Carry cameras through the shot")) {
                 return;
@@ -236,9 +246,47 @@ impl App {
         }
         let level = if taken.stops.is_empty() { Level::Info } else { Level::Warning };
         self.session.notify_with(level, describe_tracked(&taken, count), offers);
-        if let Some(found) = length {
-            self.session.notify(Level::Warning, describe_length(&found));
+        self.tell_length(length);
+    }
+
+    /// Tells of another length of the field that the carried frames ask for, and offers to take it where nobody has stated one.
+    fn tell_length(&mut self, length: Result<Option<LengthOnLines>, FieldError>) {
+        match length {
+            Ok(None) => {}
+            Ok(Some(found)) => {
+                let text = describe_length(&found);
+                if found.is_prescribed {
+                    self.session.notify(Level::Warning, text);
+                    return;
+                }
+                if let Some(carried) = &mut self.operations.clip_tracking.carried {
+                    carried.length = Some(found);
+                }
+                self.session.notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
+            }
+            Err(error) => {
+                let text = format!("The length of the field was not measured: {error}.");
+                self.session.notify(Level::Warning, text);
+            }
         }
+    }
+
+    /// Takes the length that was measured: one step of undo. Frames with clicks are solved again on it; to the others cameras have
+    /// to be carried again.
+    fn take_measured_length(&mut self) {
+        let (Some(open), Some(carried)) = (&self.open, &self.operations.clip_tracking.carried) else { return };
+        let Some(found) = &carried.length else { return };
+        let mut numbers = open.document.clone();
+        take_length(&mut numbers, found);
+        let change = BulkChange::Numbers(Box::new(numbers));
+        self.change_in_bulk(Step::on_document("Take the measured length"), change, |app, _| {
+            if let Some(carried) = &mut app.operations.clip_tracking.carried {
+                carried.length = None;
+            }
+            app.session.retract(Command::TakeLength);
+            let text = "The measured length was taken. Carry the cameras through the shot again.";
+            app.session.notify_with(Level::Info, text, [("Carry again", Command::Track)]);
+        });
     }
 
     /// Gives the frames that cameras were carried to what they showed before, where nobody has changed them since.
@@ -283,9 +331,10 @@ impl ClipTrackingState {
 }
 
 /// The length that the carried frames ask for.
-fn describe_length(LengthOnLines { size, frames, .. }: &LengthOnLines) -> String {
+fn describe_length(LengthOnLines { size, frames, is_prescribed, .. }: &LengthOnLines) -> String {
+    let assumed = if *is_prescribed { "m is stated, and stays" } else { "m was assumed" };
     format!(
-        "The painted lines of {frames} frames ask for a field {:.2} ± {:.2} m long, not {} m. The command `touchline track` takes it where nobody has stated the length.",
+        "The painted lines of {frames} frames ask for a length of {:.2} ± {:.2} m, where {} {assumed}.",
         size.value_m, size.sigma_m, size.assumed_m
     )
 }
@@ -317,4 +366,69 @@ fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
         format!("; {} frames were not reached", tracked.missed.len())
     };
     format!("{got}{painted}{ended}.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, Opened, Settings};
+    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::solve::base::FittedSize;
+    use touchline_documents::document::FieldSpec;
+
+    /// An application after cameras were carried, with a camera at (1, −62, 17) m.
+    fn app() -> App {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        let rotation = BaseAngles::default().base_from_world();
+        camera.set_base(&CameraBase::new(Vec3::new(1.0, -62.0, 17.0), rotation, size.centre()));
+        document.cameras.push(camera.into());
+        document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        let carried = LastCarried { evidence: Arc::default(), before: Vec::new(), length: None };
+        app.operations.clip_tracking.carried = Some(carried);
+        app
+    }
+
+    fn measured(is_prescribed: bool) -> LengthOnLines {
+        let (assumed_m, value_m, sigma_m) = (105.0, 101.0, 0.3);
+        let name = "length_m".to_owned();
+        let size = FittedSize { name, assumed_m, value_m, sigma_m, position_sigma_m: Vec3::zeros(), is_open: false };
+        LengthOnLines { size, shifts: vec![("main".into(), Vec3::new(2.0, 0.0, 0.0))], frames: 4, is_prescribed }
+    }
+
+    #[test]
+    fn a_measured_length_is_offered_and_taken_in_one_step() {
+        let mut app = app();
+        assert!(app.why_not(Command::TakeLength).is_some());
+        app.tell_length(Ok(Some(measured(false))));
+        assert!(app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none());
+        let before = (*app.open().unwrap().document).clone();
+        app.update(Action::Command(Command::TakeLength));
+        let now = |app: &App| {
+            let document = &app.open().unwrap().document;
+            (document.field.params.get("length_m").copied(), document.cameras[0].position_m.map(|at| at.x))
+        };
+        assert_eq!(now(&app), (Some(101.0), Some(3.0)));
+        assert!(!app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_some());
+        app.update(Action::Command(Command::Undo));
+        assert_eq!(*app.open().unwrap().document, before);
+    }
+
+    #[test]
+    fn a_stated_length_stays_and_a_field_that_cannot_be_measured_is_named() {
+        let mut app = app();
+        app.tell_length(Ok(Some(measured(true))));
+        assert!(app.why_not(Command::TakeLength).is_some());
+        app.tell_length(Err(FieldError::BeingRead { place: "own.json".to_owned() }));
+        let texts: Vec<&str> = app.session.messages.notices.iter().map(|notice| notice.text.as_str()).collect();
+        assert!(
+            texts[0].ends_with("ask for a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."),
+            "{texts:?}"
+        );
+        assert!(texts[1].starts_with("The length of the field was not measured: "), "{texts:?}");
+    }
 }

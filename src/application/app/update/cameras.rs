@@ -43,15 +43,16 @@ impl App {
         let is_new = matches!(choice, CameraChoice::New(_));
         let frames = frames.into_iter().filter_map(|index| Some(open.frame(index)?.id.clone())).collect();
         let new = is_new.then_some(NewCamera { like, base: None });
-        if self.change_in_bulk(step, BulkChange::Assign(Box::new(AssignedFrames { frames, camera: name.clone(), new })))
-        {
+        let change = BulkChange::Assign(Box::new(AssignedFrames { frames, camera: name.clone(), new }));
+        if self.change_in_bulk(step, change, Self::tell_assigned) {
             self.session.dialog = None;
             self.session.frames_selected.clear();
         }
     }
 
     /// Tells of frames that were assigned to a camera.
-    pub(super) fn frames_assigned(&mut self, given: &AssignedFrames) {
+    fn tell_assigned(&mut self, change: &BulkChange) {
+        let BulkChange::Assign(given) = change else { return };
         let (count, name) = (counted(given.frames.len(), "frame"), &given.camera);
         let has_base = given.new.as_ref().is_some_and(|new| new.base.is_some());
         let mut text = format!("{count} assigned to camera “{name}”.");
@@ -67,6 +68,6 @@ impl App {
         let (Some(change), Some(open)) = (self.camera_change(), &self.open) else { return };
         let step = Step::on_document(format!("New camera from frame {}", open.frame_number(change.frame)));
         let given = change.assigned(&open.document);
-        self.change_in_bulk(step, BulkChange::Assign(Box::new(given)));
+        self.change_in_bulk(step, BulkChange::Assign(Box::new(given)), Self::tell_assigned);
     }
 }

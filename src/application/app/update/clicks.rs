@@ -30,14 +30,14 @@ impl App {
         }
         if let Some(click) = on {
             let name = self.click_name(click);
-            self.session.selected = Some(click);
+            self.session.points.selected = Some(click);
             if self.begin(format!("Move {name}")) {
                 self.session.mode = Mode::Dragging { click, placed: false };
             }
             return;
         }
         if !size.contains(at) {
-            self.session.selected = None;
+            self.session.points.selected = None;
             return;
         }
         if rejected {
@@ -59,7 +59,7 @@ impl App {
         let Some(frame) = self.frame_mut() else { return };
         frame.clicks.push(click);
         let index = frame.clicks.len() - 1;
-        self.session.selected = Some(index);
+        self.session.points.selected = Some(index);
         self.session.mode = Mode::Dragging { click: index, placed };
         if placed {
             self.name_if_certain(index);
@@ -102,7 +102,7 @@ impl App {
         if unnamed {
             self.open_naming(click);
         } else if placed {
-            self.session.named_unasked = Some(click);
+            self.session.points.named_unasked = Some(click);
         }
     }
 
@@ -119,20 +119,20 @@ impl App {
     }
 
     pub(super) fn select(&mut self, click: Option<usize>) {
-        self.session.selected = click;
+        self.session.points.selected = click;
         self.clamp_selection();
     }
 
     /// Moves the selected click; a key that is held down is one step of undo.
     pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
-        let Some(click) = self.session.selected else { return };
+        let Some(click) = self.session.points.selected else { return };
         let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
         let name = self.click_name(click);
         let step = self.step_at(format!("Nudge {name}"), self.session.frame);
         let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
         if resumed || self.begin_step(step) {
             // Whoever moves a point is done with its name.
-            self.session.named_unasked = None;
+            self.session.points.named_unasked = None;
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
             self.clicks_changed();
             self.commit();
@@ -150,7 +150,7 @@ impl App {
             if let Some(frame) = self.frame_mut() {
                 frame.retain_clicks(|place, _| place != click);
             }
-            self.session.selected = None;
+            self.session.points.selected = None;
             self.clicks_changed();
             self.commit();
         }
@@ -174,7 +174,7 @@ impl App {
         if count == 0 {
             return;
         }
-        self.session.selected = Some(match (self.session.selected, forward) {
+        self.session.points.selected = Some(match (self.session.points.selected, forward) {
             (None, true) => 0,
             (None, false) => count - 1,
             (Some(click), true) => (click + 1) % count,
@@ -192,7 +192,7 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command, Effect, Opened, Settings};
+    use crate::app::{Action, Command, EditAction, Effect, Navigation, Opened, Settings};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 
@@ -207,10 +207,10 @@ mod tests {
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        app.update(Action::Select(Some(0)));
+        app.update(Action::Navigate(Navigation::Select(Some(0))));
         let image = |app: &App| app.frame().unwrap().clicks[0].image;
         let nudge = |app: &mut App, dx_px: f64, held: bool| {
-            let effects = app.update(Action::Nudge { dx_px, dy_px: 0.0, held });
+            let effects = app.update(Action::Edit(EditAction::Nudge { dx_px, dy_px: 0.0, held }));
             assert!(effects.iter().any(|effect| matches!(effect, Effect::Journal { .. })), "{dx_px}");
         };
         nudge(&mut app, 1.0, false);

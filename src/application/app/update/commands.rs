@@ -22,13 +22,13 @@ impl App {
         use Command as C;
         let no_document = self.open.is_none();
         let no_frame = self.frame().is_none();
-        let no_selection = self.session.selected.is_none();
+        let no_selection = self.session.points.selected.is_none();
         match command {
             _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
             C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
             C::LeaveTour => self.session.tour.is_none().then_some("No tour is under way."),
-            C::DismissNotices if self.session.notices.is_empty() => Some("There are no messages."),
+            C::DismissNotices if self.session.messages.notices.is_empty() => Some("There are no messages."),
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
@@ -50,7 +50,7 @@ impl App {
             C::OverlayStyle | C::PictureLook => None,
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("No document is open."),
-            C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
+            C::Orphans if self.session.disk.orphans.is_empty() => Some("No edits were set aside beside this document."),
             C::Save | C::Import | C::ChooseSport if self.is_read_only() => Some("The document is read-only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
@@ -76,7 +76,6 @@ impl App {
             }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
             C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
-            C::CompareAnnotators => self.why_not_compare(),
             C::ChooseGold if !self.gold().can_choose => {
                 Some("Every suitable reference is gold already. Accept more frames first.")
             }
@@ -91,16 +90,13 @@ impl App {
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is confirmed already.")
             }
-            C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
-                Some("There are no burned-in graphics to decide about.")
+            C::Accept | C::AcceptAndStay if self.session.picture.masks => {
+                Some("Masks are being drawn: Esc ends that first.")
             }
-            C::Accept | C::AcceptAndStay if self.session.masks => Some("Masks are being drawn: Esc ends that first."),
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::AssignToCamera
             | C::NewCameraFromChange
             | C::ConfirmFieldSize
-            | C::FitFieldSize
-            | C::FindShots
             | C::AddCut
             | C::MoveCutHere
             | C::RemoveCut
@@ -108,30 +104,16 @@ impl App {
             {
                 Some("The document is read-only.")
             }
-            C::NextShot | C::PreviousShot | C::FindShots | C::AddCut | C::MoveCutHere | C::RemoveCut
+            C::NextShot | C::PreviousShot | C::AddCut | C::MoveCutHere | C::RemoveCut
                 if self.frame().is_some_and(|frame| frame.video.is_none()) =>
             {
                 Some("This frame does not come from a video.")
             }
-            C::StopShotSearch if self.session.video.search.is_none() => Some("No search for cuts is running."),
-            C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
-            C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
-            C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
-            C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
-            C::Snap => self.why_not_snap(),
-            C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
-            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
-                self.why_not_camera_search(command)
-            }
-            C::SearchLines => self.why_not_search_lines(),
-            C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
-                Some("No lines are being searched.")
-            }
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
-            _ => None,
+            _ => self.why_not_operation(command),
         }
     }
 
@@ -147,7 +129,7 @@ impl App {
         self.open.as_ref().is_some_and(|open| open.history.next_redo().is_some())
     }
 
-    pub(super) fn command(&mut self, command: Command) {
+    pub(in crate::app) fn command(&mut self, command: Command) {
         use Command as C;
         if let Some(reason) = self.why_not(command) {
             self.session.notify(Level::Info, reason);
@@ -176,22 +158,22 @@ impl App {
             C::Undo => self.undo(true),
             C::Redo => self.undo(false),
             C::DeleteClick => {
-                if let Some(click) = self.session.selected {
+                if let Some(click) = self.session.points.selected {
                     self.delete_click(click);
                 }
             }
             C::RenameClick => {
-                if let Some(click) = self.session.selected {
+                if let Some(click) = self.session.points.selected {
                     self.open_naming(click);
                 }
             }
             C::NameNext => self.name_next(),
             C::PlaceOnLine => match &self.session.mode {
                 Mode::Naming(naming) => self.offer_lines(!naming.lines),
-                _ => self.session.next_on_line = !self.session.next_on_line,
+                _ => self.session.points.next_on_line = !self.session.points.next_on_line,
             },
             C::ToggleCheck => {
-                let selected = self.session.selected;
+                let selected = self.session.points.selected;
                 let check = selected.and_then(|click| Some(self.frame()?.clicks.get(click)?.check));
                 if let (Some(click), Some(check)) = (selected, check) {
                     self.set_check(click, !check);
@@ -213,8 +195,6 @@ impl App {
             C::PlayPause => self.toggle_playing(),
             C::NextShot => self.go_to_shot(true),
             C::PreviousShot => self.go_to_shot(false),
-            C::FindShots => self.find_shots(),
-            C::StopShotSearch => self.stop_shot_search(),
             C::AddCut => self.add_cut(),
             C::MoveCutHere => self.move_cut_here(),
             C::RemoveCut => self.remove_cut(),
@@ -239,7 +219,6 @@ impl App {
             C::SkipAgain => self.skip_again(),
             C::UseOwnNoise => self.use_own_noise(),
             C::UseUsualNoise => self.use_usual_noise(),
-            C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Reject => self.ask_reject(false),
             C::RejectShot => self.ask_reject(true),
             C::Comment => {
@@ -248,19 +227,15 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
-            C::Snap => self.snap(false),
-            C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
-            C::SearchLines => self.snap(true),
-            C::StopSearch => self.stop_search(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
-            C::ZoomToFit => self.session.view = PictureView::Fit,
+            C::ZoomToFit => self.session.picture.view = PictureView::Fit,
             C::ZoomToClick => self.zoom_to_click(),
-            C::HideOverlay => self.session.held.hide_overlay = !self.session.held.hide_overlay,
-            C::Compare => self.session.held.compare = !self.session.held.compare,
+            C::HideOverlay => self.session.picture.held.hide_overlay = !self.session.picture.held.hide_overlay,
+            C::Compare => self.session.picture.held.compare = !self.session.picture.held.compare,
             C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
-            C::ShowMasks => self.session.masks = !self.session.masks,
+            C::ShowMasks => self.session.picture.masks = !self.session.picture.masks,
             C::ShowFieldMap => {
                 self.settings.field_map = !self.settings.field_map;
                 self.effects.push(Effect::SaveSettings);
@@ -287,39 +262,50 @@ impl App {
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
             C::NewCameraFromChange => self.new_camera_from_change(),
-            C::KeepBurntIn => self.keep_burnt_in(),
-            C::ChangeBurntIn => self.change_burnt_in(),
-            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
-                self.camera_search_command(command);
-            }
-            C::EstimateBase => self.estimate_base(false),
             C::ShowForBase => self.show_for_base(),
-            C::FitFieldSize => self.estimate_base(true),
-            C::UseEstimatedBase => self.use_base(),
-            C::DropEstimatedBase => self.drop_base(),
-            C::StopSolving => self.stop_bulk(),
             C::UseForBase => {
                 let used = self.frame().is_some_and(|frame| !frame.use_for_base);
                 self.use_for_base(self.session.frame, used);
             }
-            C::Uncertainty => self.session.uncertainty = self.session.uncertainty.next(),
+            C::Uncertainty => self.session.picture.uncertainty = self.session.picture.uncertainty.next(),
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
             C::Messages => self.session.dialog = Some(Dialog::Messages),
-            C::DismissNotices => self.session.notices.clear(),
+            C::DismissNotices => self.session.messages.notices.clear(),
             C::ChooseSport => self.session.dialog = Some(Dialog::Sport),
             C::PictureLook => self.session.dialog = Some(Dialog::PictureLook),
             C::Preferences => self.session.dialog = Some(Dialog::Preferences),
             C::Guide => self.open_guide(),
             C::About => self.session.dialog = Some(Dialog::About),
+            C::EstimateBase
+            | C::FitFieldSize
+            | C::UseEstimatedBase
+            | C::DropEstimatedBase
+            | C::StopSolving
+            | C::KeepBurntIn
+            | C::ChangeBurntIn
+            | C::FindCamera
+            | C::StopFindCamera
+            | C::TryFirstCamera
+            | C::TryOtherCamera
+            | C::Track
+            | C::DiscardCarried
+            | C::StopTracking
+            | C::TakeLength
+            | C::CompareAnnotators
+            | C::Snap
+            | C::SearchLines
+            | C::StopSearch
+            | C::FindShots
+            | C::StopShotSearch => self.operation_command(command),
         }
     }
 
     pub(super) fn hold(&mut self, command: Command, down: bool) {
         match command {
-            Command::HideOverlay => self.session.held.hide_overlay = down,
+            Command::HideOverlay => self.session.picture.held.hide_overlay = down,
             Command::Snap => self.hold_snap(down),
-            Command::Compare => self.session.held.compare = down && self.why_not(command).is_none(),
+            Command::Compare => self.session.picture.held.compare = down && self.why_not(command).is_none(),
             _ => {}
         }
     }
@@ -330,9 +316,9 @@ impl App {
             self.close_dialog();
             return;
         }
-        if self.session.opening.take().is_some() {
+        if self.session.disk.opening.take().is_some() {
             self.tour_waits = false;
-            self.session.leaving = None;
+            self.session.disk.leaving = None;
             self.effects.push(Effect::CancelOpening);
             return;
         }
@@ -340,11 +326,11 @@ impl App {
             self.session.quality.open = false;
             return;
         }
-        if self.session.mode == Mode::Idle && self.session.base.is_open() {
-            self.drop_base();
+        if self.session.mode == Mode::Idle && self.why_not(Command::DropEstimatedBase).is_none() {
+            self.drop_estimated_base();
             return;
         }
-        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.masks) {
+        if self.session.mode == Mode::Idle && std::mem::take(&mut self.session.picture.masks) {
             return;
         }
         match &self.session.mode {
@@ -353,7 +339,7 @@ impl App {
                 let (click, refines) = (naming.click, naming.refines);
                 self.leave_naming();
                 // It has the name that it gave itself, which nobody has confirmed.
-                self.session.named_unasked = refines.then_some(click);
+                self.session.points.named_unasked = refines.then_some(click);
                 // A point that was just placed and gets no name was not meant.
                 let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
                 if unnamed.is_some_and(|click| click.target.is_none()) {
@@ -362,9 +348,9 @@ impl App {
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
             Mode::ClickingAgain(_) => self.end_round(),
-            Mode::Idle if self.session.next_on_line => self.session.next_on_line = false,
-            Mode::Idle if self.session.selected.is_none() => self.session.frames_selected.clear(),
-            Mode::Idle => self.session.selected = None,
+            Mode::Idle if self.session.points.next_on_line => self.session.points.next_on_line = false,
+            Mode::Idle if self.session.points.selected.is_none() => self.session.frames_selected.clear(),
+            Mode::Idle => self.session.points.selected = None,
         }
     }
 
@@ -395,12 +381,12 @@ impl App {
 
     fn zoom_by(&mut self, factor: f64) {
         let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
-        let (scale, centre) = match self.session.view {
+        let (scale, centre) = match self.session.picture.view {
             PictureView::Zoomed { scale, centre } => (scale, centre),
-            PictureView::Fit => (self.session.fit_scale, size.centre()),
+            PictureView::Fit => (self.session.picture.fit_scale, size.centre()),
         };
         let wanted = scale * factor;
-        self.session.view = if wanted <= self.session.fit_scale {
+        self.session.picture.view = if wanted <= self.session.picture.fit_scale {
             PictureView::Fit
         } else {
             PictureView::Zoomed { scale: wanted.min(MAX_SCALE), centre }
@@ -408,9 +394,9 @@ impl App {
     }
 
     fn zoom_to_click(&mut self) {
-        let click = self.session.selected.and_then(|click| self.frame()?.clicks.get(click));
+        let click = self.session.points.selected.and_then(|click| self.frame()?.clicks.get(click));
         if let Some(centre) = click.map(|click| click.image) {
-            self.session.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
+            self.session.picture.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
         }
     }
 
@@ -420,6 +406,5 @@ impl App {
             let text = format!("{shown} is now “{}”; “{}” no longer has a key.", command.name(), loser.name());
             self.session.notify(Level::Info, text);
         }
-        self.effects.push(Effect::SaveSettings);
     }
 }

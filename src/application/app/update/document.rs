@@ -5,7 +5,7 @@ use super::Current;
 use crate::app::Command;
 use crate::app::OpenProject;
 use crate::app::Opened;
-use crate::app::effect::Effect;
+use crate::app::effect::{Effect, Opening};
 use crate::app::operations::Operations;
 use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
 use std::path::{Path, PathBuf};
@@ -22,35 +22,25 @@ impl App {
     }
 
     pub(super) fn begin_opening_demo(&mut self) {
-        self.session.opening = Some("Opening the demo match…".to_owned());
-        self.effects.push(Effect::OpenDemo);
+        self.session.disk.opening = Some("Opening the demo match…".to_owned());
+        self.effects.push(Effect::Open(Opening::Demo));
     }
 
     pub(super) fn begin_opening(&mut self, path: PathBuf) {
         // What failed before is answered by another try.
-        self.session.notices.retain(|notice| notice.level != Level::Error);
-        self.session.opening = Some(format!("Opening {}…", path.display()));
-        self.effects.push(Effect::Open(path));
+        self.session.messages.notices.retain(|notice| notice.level != Level::Error);
+        self.session.disk.opening = Some(format!("Opening {}…", path.display()));
+        self.effects.push(Effect::Open(Opening::Path(path)));
     }
 
     pub(super) fn opened(&mut self, opened: Opened) {
-        self.effects.push(Effect::CancelEstimate);
-        self.effects.push(Effect::CancelBulk);
-        self.effects.push(Effect::CancelSnap);
-        self.effects.push(Effect::CancelTransfer);
-        self.stop_shot_search();
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
-        let snap_tickets = self.session.snap_tickets;
-        let transfer_tickets = self.session.transfer.tickets;
-        let told = std::mem::take(&mut self.session.told);
+        let told = std::mem::take(&mut self.session.messages.log);
         self.session = Session::default();
-        self.session.told = told;
+        self.session.messages.log = told;
         self.session.trainer = trainer;
-        // A report of the document before is passed over.
-        self.session.snap_tickets = snap_tickets;
-        self.session.transfer.tickets = transfer_tickets;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());
@@ -62,7 +52,7 @@ impl App {
             self.session.dialog = Some(Dialog::Sport);
             self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
         }
-        self.session.orphans.clone_from(&opened.orphans);
+        self.session.disk.orphans.clone_from(&opened.orphans);
         self.tell_orphans();
         self.settings.remember(&opened.file);
         self.effects.push(Effect::SaveSettings);
@@ -74,13 +64,10 @@ impl App {
         self.current = Current::default();
         self.review = super::Review::default();
         self.quality = super::Quality::default();
-        self.point_snaps = self.point_snaps.for_another();
         self.session.unticked.clear();
         self.begin_waiting_tour();
         self.offer_tour();
-        self.find_burnt_in();
-        self.find_shots_of_new();
-        self.compare_pictures();
+        self.start_on_opening();
     }
 
     /// Asks for the field templates that the document came to name.
@@ -111,8 +98,8 @@ impl App {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
-            self.session.save_requests += 1;
-            self.effects.push(Effect::Save { request: self.session.save_requests });
+            self.session.disk.save_requests += 1;
+            self.effects.push(Effect::Save { request: self.session.disk.save_requests });
         }
     }
 
@@ -124,9 +111,9 @@ impl App {
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
             (Question::CopyTo, Some(open)) => {
-                self.session.copies.begun = Some(open.revision);
+                self.session.disk.copies.begun = Some(open.revision);
                 self.effects.push(Effect::SaveCopy {
-                    document: open.document.clone(),
+                    document: Box::new((*open.document).clone()),
                     from: open.folder.clone(),
                     folder: path,
                 });
@@ -143,12 +130,12 @@ impl App {
     pub(super) fn saved(&mut self, revision: u64, at: String, document: Option<u64>) {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
-            self.session.saving = Saving::Saved { at };
+            self.session.disk.saving = Saving::Saved { at };
             if document.is_some() {
-                self.session.changed_outside = None;
+                self.session.disk.changed_outside = None;
                 // The document holds it now.
-                if let Some(own) = self.session.own_version.take() {
-                    self.session.orphans.retain(|orphan| orphan.path != own);
+                if let Some(own) = self.session.disk.own_version.take() {
+                    self.session.disk.orphans.retain(|orphan| orphan.path != own);
                 }
             }
             self.go_on_leaving(document);
@@ -156,12 +143,12 @@ impl App {
     }
 
     pub(super) fn save_failed(&mut self, message: String) {
-        let since = match std::mem::take(&mut self.session.saving) {
+        let since = match std::mem::take(&mut self.session.disk.saving) {
             Saving::Saved { at } => Some(at),
             Saving::Failed { since, .. } => since,
             Saving::Untouched | Saving::Pending => None,
         };
-        self.session.saving = Saving::Failed { message, since };
+        self.session.disk.saving = Saving::Failed { message, since };
         if let Some(leaving) = self.stay()
             && self.is_unsaved()
         {
@@ -180,7 +167,7 @@ fn left_at(open: &OpenProject) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::{Action, App, Effect, Opened, Settings};
+    use crate::app::{Action, App, DiskReport, Effect, Navigation, Opened, PointerAction, Settings, ViewAction};
     use touchline_core::field::{FieldError, Template, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize};
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
@@ -202,7 +189,7 @@ mod tests {
     }
 
     fn read(of: &str, template: Result<Box<Template>, FieldError>) -> Action {
-        Action::TemplateRead { of: of.into(), name: "own.json".to_owned(), template }
+        Action::Disk(DiskReport::TemplateRead { of: of.into(), name: "own.json".to_owned(), template })
     }
 
     fn soccer() -> Box<Template> {
@@ -215,12 +202,12 @@ mod tests {
         let (of, folder, name) = ("/match/project.json".into(), "/match".into(), "own.json".to_owned());
         assert_eq!(effects, [Effect::ReadTemplate { of, folder, name }]);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
-        assert_eq!(asked(app.update(Action::GoTo(1))), [], "asked once");
+        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(1)))), [], "asked once");
         app.update(read("/another/project.json", Ok(soccer())));
         assert!(app.current().field().is_none(), "of a document that was closed meanwhile");
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
-        assert_eq!(asked(app.update(Action::GoTo(0))), []);
+        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), []);
     }
 
     #[test]
@@ -230,15 +217,15 @@ mod tests {
         let missing = FieldError::Unreadable { place: "own.json".to_owned(), problem };
         app.update(read("/match/project.json", Err(missing)));
         assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
-        let said = app.session.notices.last().map(|notice| notice.text.as_str());
+        let said = app.session.messages.notices.last().map(|notice| notice.text.as_str());
         let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
         assert_eq!(said, Some(wanted));
-        assert_eq!(asked(app.update(Action::GoTo(0))), [], "a file is not tried again unasked");
-        assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)).len(), 1);
+        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), [], "a file is not tried again unasked");
+        assert_eq!(asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(), 1);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some());
-        assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)), [], "what was read stays");
+        assert_eq!(asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))), [], "what was read stays");
     }
 
     #[test]
@@ -256,9 +243,9 @@ mod tests {
         let mut app = App::new(Settings::default());
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         assert_eq!(app.session.frame, 2, "the first that is to do");
-        app.update(Action::GoTo(4));
-        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
-        app.update(Action::Release);
+        app.update(Action::Navigate(Navigation::GoTo(4)));
+        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(300.0, 400.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Release));
         let left = app.open().unwrap();
         let mut again = Opened::new(left.document.clone(), "/match/project.json");
         again.history = left.history.clone();

@@ -89,7 +89,7 @@ impl App {
         let farthest = self.farthest_click().map(|(click, _)| click);
         let mut offers: Vec<_> = self.mend().map(|(command, word)| (word, command)).into_iter().collect();
         if offers.is_empty() && farthest.is_some() {
-            self.session.selected = farthest;
+            self.session.points.selected = farthest;
             offers.push(("Rename", Command::RenameClick));
         }
         offers.push(("Accept anyway", Command::AcceptAnyway));

@@ -15,8 +15,8 @@ impl App {
         }
         self.commit_open_step();
         self.session.frame = frame;
-        self.session.selected = None;
-        self.session.hover = None;
+        self.session.points.selected = None;
+        self.session.points.hover = None;
         self.session.forget_placed();
         self.session.mode = Mode::Idle;
         self.session.retract(Command::AcceptAnyway);
@@ -69,7 +69,7 @@ impl App {
     pub(super) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
             self.session.notify(Level::Info, reason);
-            self.session.selected = self.frame().and_then(Frame::unnamed_click).or(self.session.selected);
+            self.session.points.selected = self.frame().and_then(Frame::unnamed_click).or(self.session.points.selected);
             return;
         }
         if self.asks_about_doubt(stay) {

@@ -32,7 +32,7 @@ impl App {
 
     /// Whether an action would break a blind round; says so.
     pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
-        let breaks = self.round().is_some() && !action.kind().is_blind();
+        let breaks = self.round().is_some() && !action.is_blind();
         if breaks {
             self.session.notify(Level::Info, IN_ROUND);
         }
@@ -106,13 +106,13 @@ impl App {
         if open.history.is_open() {
             self.commit();
         }
-        self.session.selected = None;
+        self.session.points.selected = None;
         self.session.forget_placed();
-        self.session.next_on_line = false;
-        self.session.masks = false;
-        self.session.held = crate::app::session::Held::default();
+        self.session.points.next_on_line = false;
+        self.session.picture.masks = false;
+        self.session.picture.held = crate::app::session::Held::default();
         self.session.quality.open = false;
-        self.session.view = PictureView::Fit;
+        self.session.picture.view = PictureView::Fit;
         self.session.mode = Mode::ClickingAgain(round);
         self.show_asked();
     }
@@ -122,8 +122,8 @@ impl App {
         match self.round().map(|round| round.asked().cloned()) {
             Some(Some(Asked { frame, .. })) if frame != self.session.frame => {
                 self.session.frame = frame;
-                self.session.hover = None;
-                self.session.view = PictureView::Fit;
+                self.session.points.hover = None;
+                self.session.picture.view = PictureView::Fit;
             }
             Some(None) => self.end_round(),
             _ => {}
@@ -291,7 +291,7 @@ impl App {
             self.session.notify(Level::Warning, format!("The click noise cannot be stored: {error}."));
             return;
         }
-        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers))) {
+        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers)), |_, _| ()) {
             self.session.retract(Command::UseOwnNoise);
         }
     }

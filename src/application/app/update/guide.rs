@@ -63,7 +63,7 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command};
+    use crate::app::{Action, Command, ViewAction};
 
     #[test]
     fn the_guide_opens_at_the_page_of_a_dialog_and_leads_back_to_it() {
@@ -72,8 +72,8 @@ mod tests {
         app.update(Action::Command(Command::Guide));
         let opened = Dialog::Guide { page: GuidePage::Window, behind: Some(Box::new(Dialog::Preferences)) };
         assert_eq!(app.session.dialog, Some(opened));
-        app.update(Action::ShowGuidePage(GuidePage::Glossary));
-        app.update(Action::CloseDialog);
+        app.update(Action::View(ViewAction::ShowGuidePage(GuidePage::Glossary)));
+        app.update(Action::View(ViewAction::CloseDialog));
         assert_eq!(app.session.dialog, Some(Dialog::Preferences));
         app.update(Action::Command(Command::Cancel));
         assert_eq!(app.session.dialog, None);

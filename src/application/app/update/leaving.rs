@@ -18,20 +18,20 @@ impl App {
     /// takes its time when asked again, or another program has changed the document, a dialog says what becomes of the edits.
     pub(super) fn leave_document(&mut self, leaving: Leaving) {
         let read_only = self.open.as_ref().is_none_or(|open| open.read_only.is_some());
-        let is_changed_outside = self.session.changed_outside.is_some();
-        if read_only || (self.session.saving == Saving::Untouched && !is_changed_outside) || self.is_copied() {
+        let is_changed_outside = self.session.disk.changed_outside.is_some();
+        if read_only || (self.session.disk.saving == Saving::Untouched && !is_changed_outside) || self.is_copied() {
             self.leave(leaving);
             return;
         }
-        let is_asked_again = self.session.leaving.as_ref() == Some(&leaving);
+        let is_asked_again = self.session.disk.leaving.as_ref() == Some(&leaving);
         if is_asked_again || self.is_unsaved() || is_changed_outside {
             self.stay();
             self.session.dialog = Some(Dialog::NotSaved(leaving));
         } else {
             if leaving != Leaving::Close {
-                self.session.opening = Some("Saving before opening…".to_owned());
+                self.session.disk.opening = Some("Saving before opening…".to_owned());
             }
-            self.session.leaving = Some(leaving);
+            self.session.disk.leaving = Some(leaving);
         }
         // The disk may have room again.
         self.save();
@@ -40,19 +40,19 @@ impl App {
     /// Every edit is on disk, in the document or in the journal: goes on with what waited for that. What waits for the document
     /// itself goes on when the last request to write it is answered: another program may have replaced what was written before.
     pub(super) fn go_on_leaving(&mut self, document: Option<u64>) {
-        let is_answered = document == Some(self.session.save_requests);
-        if self.session.leaving.is_none() {
+        let is_answered = document == Some(self.session.disk.save_requests);
+        if self.session.disk.leaving.is_none() {
             self.leave_unsaved();
-        } else if is_answered && let Some(leaving) = self.session.leaving.take() {
+        } else if is_answered && let Some(leaving) = self.session.disk.leaving.take() {
             self.leave(leaving);
         }
     }
 
     /// What was to be done next is not done, and returned.
     pub(super) fn stay(&mut self) -> Option<Leaving> {
-        let leaving = self.session.leaving.take()?;
+        let leaving = self.session.disk.leaving.take()?;
         if leaving != Leaving::Close {
-            self.session.opening = None;
+            self.session.disk.opening = None;
         }
         Some(leaving)
     }
@@ -76,11 +76,11 @@ impl App {
 
     /// Whether edits are only in memory, and in no copy either.
     pub(super) fn is_unsaved(&self) -> bool {
-        matches!(self.session.saving, Saving::Failed { .. }) && !self.is_copied()
+        matches!(self.session.disk.saving, Saving::Failed { .. }) && !self.is_copied()
     }
 
     /// Whether a copy elsewhere holds every edit.
     fn is_copied(&self) -> bool {
-        self.open.as_ref().is_some_and(|open| self.session.copies.written == Some(open.revision))
+        self.open.as_ref().is_some_and(|open| self.session.disk.copies.written == Some(open.revision))
     }
 }

@@ -1,12 +1,8 @@
-//! Masks: boxes whose pixels give no features, drawn by hand or found burned into the pictures.
+//! Masks: boxes whose pixels give no features.
 
 use super::App;
 use crate::app::choices::{MaskList, MaskScope, Scope};
-use crate::app::effect::Effect;
-use crate::app::session::{Level, SidePanel};
-use crate::app::{BurntInSearch, Command};
-use std::path::Path;
-use touchline_calibration::proposals::FoundMask;
+use crate::app::session::Level;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Document, Extra, Frame, MaskSource, RangedMask, Step};
 
@@ -80,7 +76,8 @@ impl App {
         });
     }
 
-    fn change_masks(&mut self, step: Step, change: impl FnOnce(&mut Document, usize)) {
+    /// Changes masks as one step of undo.
+    pub(in crate::app) fn change_masks(&mut self, step: Step, change: impl FnOnce(&mut Document, usize)) {
         let shown = self.session.frame;
         if self.frame().is_none() || !self.begin_step(step) {
             return;
@@ -90,76 +87,6 @@ impl App {
         }
         self.commit();
     }
-
-    /// Looks for burned-in graphics in the document that has just been opened.
-    pub(super) fn find_burnt_in(&mut self) {
-        if self.no_trainer().is_some() {
-            return;
-        }
-        let Some(open) = self.open.as_ref().filter(|open| open.document.frames.len() > 1) else { return };
-        self.effects.push(Effect::FindBurntIn(Box::new(BurntInSearch {
-            document: (*open.document).clone(),
-            file: open.file.clone(),
-            folder: open.folder.clone(),
-        })));
-    }
-
-    /// Asks what becomes of the graphics that were found.
-    pub(super) fn burnt_in_found(&mut self, file: &Path, found: Vec<FoundMask>) {
-        let Some(open) = self.open.as_ref().filter(|open| open.file == file) else { return };
-        // A mask may have been drawn while the search ran.
-        let is_new = |found: &FoundMask| {
-            let camera = open.document.camera(&found.camera);
-            let ranged = camera.into_iter().flat_map(|camera| camera.ranged_masks.iter().map(|mask| &mask.pixel_box));
-            let mut boxes = camera.into_iter().flat_map(|camera| &camera.masks).chain(ranged);
-            camera.is_some() && !boxes.any(|known| known.contains(found.mask.pixel_box.centre()))
-        };
-        let found: Vec<FoundMask> = found.into_iter().filter(is_new).collect();
-        if found.is_empty() {
-            return;
-        }
-        let text = match found.as_slice() {
-            [one] => {
-                let size = size(&one.mask.pixel_box);
-                format!("An area looks burned in ({size}). Keep it as a mask, out of training and proposals?")
-            }
-            more => format!("{} areas look burned in. Keep them as masks, out of training and proposals?", more.len()),
-        };
-        let offers = [("Keep", Command::KeepBurntIn), ("Change", Command::ChangeBurntIn)];
-        self.session.notify_with(Level::Question, text, offers);
-        self.session.burnt_in = found;
-    }
-
-    /// The graphics that were found become masks of their cameras: one step of undo.
-    pub(super) fn keep_burnt_in(&mut self) {
-        let found = std::mem::take(&mut self.session.burnt_in);
-        self.session.retract(Command::KeepBurntIn);
-        self.change_masks(Step::on_document("Mask burned-in graphics"), |document, _| {
-            for found in &found {
-                found.mask_in(document);
-            }
-        });
-    }
-
-    /// The same, and the masks can be changed.
-    pub(super) fn change_burnt_in(&mut self) {
-        self.keep_burnt_in();
-        self.session.masks = true;
-        self.session.panel = SidePanel::Camera;
-    }
-
-    /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of them.
-    #[must_use]
-    pub fn asked_masks(&self) -> Vec<PixelBox> {
-        let Some(frame) = self.frame().filter(|_| self.session.offers(Command::KeepBurntIn)) else { return Vec::new() };
-        let here = |found: &&FoundMask| found.camera == frame.camera && found.mask.covers(frame);
-        self.session.burnt_in.iter().filter(here).map(|found| found.mask.pixel_box).collect()
-    }
-}
-
-/// "312 × 48 px at 60, 40".
-fn size(area: &PixelBox) -> String {
-    format!("{:.0} × {:.0} px at {:.0}, {:.0}", area.width, area.height, area.x, area.y)
 }
 
 /// Takes a mask out of its list.

@@ -1,7 +1,7 @@
 //! The only place that changes state: an action in, effects out.
 
+mod actions;
 mod base;
-mod bulk;
 mod cameras;
 mod clicks;
 mod commands;
@@ -15,9 +15,7 @@ mod masks;
 mod naming;
 mod numbers;
 mod outside;
-mod paint;
 mod playing;
-mod points;
 mod proposals;
 mod quality;
 mod requests;
@@ -27,13 +25,13 @@ mod shots;
 mod sport;
 mod tour;
 mod trainer;
-mod transfer;
+mod verdict;
 
 pub use commands::MAX_SCALE;
 
 use super::action::Action;
 use super::current::{Current, FreshSolve};
-use super::effect::Effect;
+use super::effect::{Effect, OrphanOrder};
 use super::quality::Quality;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving};
@@ -87,29 +85,33 @@ impl App {
 
     /// Changes state; what the outside then has to do is returned in order.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
-        let before = self.current.readiness;
-        let names_or_clicks = self.open.as_ref().map(|open| open.revision);
+        let (readiness, revision) = (self.current.readiness, self.revision());
         self.tell_tour(&action);
         self.apply(action);
-        self.deliver_waiting_reports();
-        self.decide_camera_by_click();
-        self.finish_bulk();
-        self.finish_shot_search();
-        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
+        self.take_over_what_waited();
+        self.refresh_derived();
+        if self.revision() != revision {
+            self.tell_when_enough(readiness);
+        }
+        self.advance_tour();
+        self.start_unasked();
+        self.tell_trainer();
+        self.read_templates();
+        std::mem::take(&mut self.effects)
+    }
+
+    fn revision(&self) -> Option<u64> {
+        self.open.as_ref().map(|open| open.revision)
+    }
+
+    /// Works out again what follows from the document and the session and has changed, in the order in which one rests on another.
+    fn refresh_derived(&mut self) {
+        let proposed = self.operations.proposed_base();
+        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take(), proposed);
         self.refresh_review();
         self.refresh_accept_sheet();
         self.quality.refresh(self.open.as_mut(), &self.session);
         self.refresh_gold();
-        if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
-            self.tell_when_enough(before);
-        }
-        self.advance_tour();
-        self.watch_camera();
-        self.tell_trainer();
-        self.snap_points();
-        self.check_lines();
-        self.read_templates();
-        std::mem::take(&mut self.effects)
     }
 
     fn apply(&mut self, action: Action) {
@@ -117,146 +119,26 @@ impl App {
             return;
         }
         match action {
+            Action::Pointer(action) => self.point(action),
+            Action::View(action) => self.show(action),
+            Action::Navigate(action) => self.navigate(action),
+            Action::Edit(action) => self.edit(action),
+            Action::Settings(action) => self.set_setting(action),
+            Action::Trainer(report) => self.take_from_trainer(report),
+            Action::Disk(report) => self.take_from_disk(report),
+            Action::PictureAwaited(awaited) => self.session.video.picture_awaited = awaited,
             Action::Command(command) => self.command(command),
-            Action::Video(action) => self.video(action),
             Action::Hold(command, down) => self.hold(command, down),
-            Action::Hover(at) => self.session.hover = at,
-            Action::Press { at, on } => {
-                self.session.video.playing = false;
-                self.press(at, on);
-            }
-            Action::Drag(to) => self.drag(to),
-            Action::Release => self.release(false),
-            Action::ReleaseExactly => self.release(true),
-            Action::Select(click) => self.select(click),
-            Action::Nudge { dx_px, dy_px, held } => self.nudge(dx_px, dy_px, held),
-            Action::View(view) => self.session.view = view,
-            Action::FitScale(scale) => self.session.fit_scale = scale,
-            Action::TypeName(typed) => self.type_name(typed),
-            Action::RefineName(typed) => self.refine_name(typed),
-            Action::ConfirmName => self.session.forget_placed(),
-            Action::HighlightName(index) => self.highlight_name(index),
-            Action::TakeName(index) => self.take_name(index),
-            Action::OfferLines(lines) => self.offer_lines(lines),
-            Action::Pick(target) => self.pick(target),
-            Action::Name { click, target } => self.name_click(click, target),
-            Action::DeleteClick(click) => self.delete_click(click),
-            Action::SetCheck { click, check } => self.set_check(click, check),
-            Action::GoTo(frame) => self.go_to(frame),
-            Action::SelectFrame { frame, how } => self.select_frame(frame, how),
-            Action::SelectNoFrames => self.session.frames_selected.clear(),
-            Action::AssignToCamera { scope, camera } => self.assign_to_camera(scope, &camera),
-            Action::AskCamera(scope) => self.session.dialog = Some(Dialog::AssignToCamera(scope)),
-            Action::RejectAs(reason) => self.reject_as(reason),
-            Action::SetComment(comment) => self.set_comment(&comment),
-            Action::SetFilter(filter) => self.session.filter = filter,
-            Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
-            Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
-            Action::RemoveMask { list, index } => self.remove_mask(list, index),
-            Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
-            Action::Snapped { ticket, result } => self.snapped(ticket, result),
-            Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
-            Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
-            Action::BeginEdit(name) => self.begin_edit(name),
-            Action::EditPtz(ptz) => self.edit_ptz(ptz),
-            Action::EditCamera(camera) => self.edit_camera(*camera),
-            Action::EditField(field) => self.edit_field(field),
-            Action::EndEdit => self.end_edit(),
-            Action::AbortEdit => self.abort(),
-            Action::SolveAgain => self.solve_again(),
-            Action::Proposals(proposals) => self.take_proposals(&proposals),
-            Action::CarriedProposals(carried) => self.take_carried(&carried),
-            Action::Trainer(status) => self.trainer_reported(*status),
-            Action::Features(used) => self.session.trainer.features = Some(*used),
-            Action::HoldReview(held) => self.session.review.held = held,
-            Action::SetReviewOrder(order) => self.session.review.order = order,
-            Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
-            Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
-            Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
-            Action::TickSuggestion { frame, ticked } => self.tick_suggestion(frame, ticked),
-            Action::AcceptAll => self.accept_all(),
-            Action::SetUseForTraining { frame, used } => self.set_use_for_training(frame, used),
-            Action::SetQualityCamera(camera) => self.set_quality_camera(camera),
-            Action::SetTimeAxis(axis) => self.set_time_axis(axis),
-            Action::ShowSpan(span) => self.show_span(span),
-            Action::LookAt { frame, click } => self.look_at(frame, click),
-            Action::BaseProgress(progress) => self.base_progress(progress),
-            Action::BaseEstimated(found) => self.base_estimated(found),
             Action::Report(report) => self.receive(report),
             Action::Transfer(action) => self.transfer(action),
-            Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
-            Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
-            Action::UseForBase { frame, used } => self.use_for_base(frame, used),
-            Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::Compare(with) => self.compare(with),
-            Action::SetOverlayStyle(_)
-            | Action::SetTheme(_)
-            | Action::SetLineColour(..)
-            | Action::SetLoupe(_)
-            | Action::SetPictureMemory(_)
-            | Action::SetPictureLook(_)
-            | Action::SetTextSize(_)
-            | Action::SetPanelSizes { .. } => self.set_setting(&action),
-            Action::ChooseSport(template) => self.choose_sport(&template),
-            Action::AssignKey(command, chord) => self.assign_key(command, chord),
-            Action::ResetKeys => {
-                self.settings.keys.reset();
-                self.effects.push(Effect::SaveSettings);
-            }
-            Action::SetDetails(shown) => {
-                self.settings.details = shown;
-                self.effects.push(Effect::SaveSettings);
-            }
-            Action::CloseDialog => self.close_dialog(),
-            Action::ShowGuidePage(page) => self.show_guide_page(page),
-            Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
-            Action::Notify(level, text) => self.session.notify(level, text),
-            Action::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
             Action::Answer(question, path) => self.answer(question, path),
             Action::Open(path) => self.open_path(path),
-            Action::Progress(text) => {
-                if self.session.opening.is_some() {
-                    self.session.opening = Some(text);
-                }
-            }
             Action::Opened(opened) => self.opened(*opened),
-            Action::AlreadyOpen(file) => {
-                self.session.opening = None;
-                if self.tour_waits {
-                    self.begin_waiting_tour();
-                } else {
-                    self.session.notify(Level::Info, format!("{} is already open.", file.display()));
-                }
-            }
-            Action::Failed(message) => {
-                self.session.opening = None;
-                self.tour_waits = false;
-                self.session.notify(Level::Error, message);
-            }
-            Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
-            Action::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
-            Action::CameraLoaded(camera) => self.camera_loaded(&camera),
-            Action::Saved { revision, at, document } => self.saved(revision, at, document),
-            Action::SaveFailed(message) => self.save_failed(message),
-            Action::Copied(path) => {
-                self.session.copies.written = self.session.copies.begun.take();
-                self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
-            }
-            Action::WholeWanted => self.journal_whole(),
-            Action::ChangedOutside { path, own } => self.changed_outside(path, own),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
-            Action::Outside(outside) => self.merge_outside(&outside),
-            Action::MergeOrphan(orphan) => self.effects.push(Effect::ReadOrphan { orphan }),
-            Action::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
-            Action::SaveOrphan(orphan) => self.effects.push(Effect::SaveOrphan { orphan }),
-            Action::OrphanSaved { document } => {
-                self.session.notify(
-                    Level::Info,
-                    format!("The edits were saved as a separate document: {}", document.display()),
-                );
-            }
-            Action::OrphanPutAway { orphan, renamed } => self.orphan_put_away(&orphan, &renamed),
+            Action::MergeOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Read }),
+            Action::SaveOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Save }),
             Action::LeaveUnsaved => self.leave_unsaved(),
             Action::CloseRequested => self.close_requested(),
         }
@@ -284,7 +166,7 @@ impl App {
     }
 
     /// Whether nothing can be changed; says so.
-    pub(super) fn refuses_changes(&mut self) -> bool {
+    pub(in crate::app) fn refuses_changes(&mut self) -> bool {
         let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else { return false };
         let text = format!("Nothing can be changed here: {reason}");
         self.session.notify(Level::Warning, text);
@@ -324,7 +206,7 @@ impl App {
     }
 
     /// Gives the saver the document with its history in place of what it knows.
-    fn journal_whole(&mut self) {
+    pub(in crate::app) fn journal_whole(&mut self) {
         let Some(open) = &self.open else { return };
         let document = Box::new(open.journalled.shown().clone());
         let history = Box::new(open.history.committed());
@@ -332,24 +214,24 @@ impl App {
     }
 
     /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
-    fn journal(&mut self, name: &str, kind: EditKind) {
+    pub(in crate::app) fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
         if let Some(edit) = open.take_edit(name, kind) {
-            if !matches!(self.session.saving, Saving::Failed { .. }) {
-                self.session.saving = Saving::Pending;
+            if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
+                self.session.disk.saving = Saving::Pending;
             }
-            self.effects.push(Effect::Journal { edit, revision: open.revision });
+            self.effects.push(Effect::Journal { edit: Box::new(edit), revision: open.revision });
         }
     }
 
     /// The shown frame, to change it within a step.
-    fn frame_mut(&mut self) -> Option<&mut Frame> {
+    pub(in crate::app) fn frame_mut(&mut self) -> Option<&mut Frame> {
         let index = self.session.frame;
         self.open.as_mut()?.document.frames.get_mut(index).map(|frame| &mut **frame)
     }
 
     /// Solves the shown frame anew after its clicks changed, within a step.
-    fn clicks_changed(&mut self) {
+    pub(in crate::app) fn clicks_changed(&mut self) {
         let index = self.session.frame;
         let Some(open) = &mut self.open else { return };
         let result = solve_in_place(open, index);
@@ -380,7 +262,7 @@ impl App {
 
     fn clamp_selection(&mut self) {
         let clicks = self.frame().map_or(0, |frame| frame.clicks.len());
-        self.session.selected = self.session.selected.filter(|selected| *selected < clicks);
+        self.session.points.selected = self.session.points.selected.filter(|selected| *selected < clicks);
     }
 }
 

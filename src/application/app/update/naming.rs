@@ -24,14 +24,14 @@ impl App {
 
     /// Asks for the name of a click, with candidates at the cursor.
     pub(super) fn open_naming(&mut self, click: usize) {
-        let lines = self.session.next_on_line
+        let lines = self.session.points.next_on_line
             || self
                 .frame()
                 .and_then(|frame| frame.clicks.get(click))
                 .and_then(|click| click.target.as_ref()?.line())
                 .is_some();
         if let Some(naming) = self.ranked_names(click, lines) {
-            self.session.selected = Some(click);
+            self.session.points.selected = Some(click);
             self.session.mode = Mode::Naming(naming);
         }
     }
@@ -40,7 +40,7 @@ impl App {
     pub(super) fn name_next(&mut self) {
         let Some(click) = self.frame().and_then(Frame::unnamed_click) else { return };
         let at = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image);
-        if let (PictureView::Zoomed { centre, .. }, Some(at)) = (&mut self.session.view, at) {
+        if let (PictureView::Zoomed { centre, .. }, Some(at)) = (&mut self.session.picture.view, at) {
             *centre = at;
         }
         self.open_naming(click);
@@ -48,7 +48,7 @@ impl App {
 
     /// Names a click that is being placed while there is just one plausible name; the name follows the pointer.
     pub(super) fn name_if_certain(&mut self, click: usize) {
-        let Some(naming) = self.ranked_names(click, self.session.next_on_line) else { return };
+        let Some(naming) = self.ranked_names(click, self.session.points.next_on_line) else { return };
         let target = unambiguous(&naming.candidates).map(|candidate| candidate.target.clone());
         if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
             click.target = target;
@@ -69,7 +69,7 @@ impl App {
 
     /// Offers other names for the click that was just named by itself. Until one is taken it keeps its name.
     pub(super) fn refine_name(&mut self, typed: String) {
-        let Some(click) = self.session.named_unasked.filter(|_| self.session.mode == Mode::Idle) else { return };
+        let Some(click) = self.session.points.named_unasked.filter(|_| self.session.mode == Mode::Idle) else { return };
         self.session.forget_placed();
         self.open_naming(click);
         if let Mode::Naming(naming) = &mut self.session.mode {
@@ -101,7 +101,7 @@ impl App {
                 self.session.mode = Mode::Naming(naming);
             }
         } else {
-            self.session.next_on_line = lines;
+            self.session.points.next_on_line = lines;
         }
     }
 
@@ -110,7 +110,7 @@ impl App {
     pub(super) fn pick(&mut self, target: Target) {
         let waiting = match &self.session.mode {
             Mode::Naming(naming) => Some(naming.click),
-            _ => self.session.selected.filter(|selected| {
+            _ => self.session.points.selected.filter(|selected| {
                 let click = self.frame().and_then(|frame| frame.clicks.get(*selected));
                 click.is_some_and(|click| click.target.is_none())
             }),
@@ -122,7 +122,7 @@ impl App {
         let Some(frame) = self.frame() else { return };
         let known = frame.clicks.iter().position(|click| click.target.as_ref() == Some(&target));
         match known.filter(|_| matches!(target, Target::Landmark(_))) {
-            Some(click) => self.session.selected = Some(click),
+            Some(click) => self.session.points.selected = Some(click),
             None => self.session.mode = Mode::Placing(target),
         }
     }
@@ -133,7 +133,7 @@ impl App {
         let (step, renames): (String, Vec<BetterName>) = (found.step(), BetterName::all(found).collect());
         self.session.mode = Mode::Idle;
         self.session.forget_placed();
-        self.session.held.compare = false;
+        self.session.picture.held.compare = false;
         if self.begin(step) {
             if let Some(frame) = self.frame_mut() {
                 for BetterName { click, target } in renames {
@@ -164,7 +164,7 @@ impl App {
     /// Two clicks get each other's names: one step of undo.
     fn swap_names(&mut self, clicks: [usize; 2], names: [Target; 2]) {
         self.session.mode = Mode::Idle;
-        self.session.next_on_line = false;
+        self.session.points.next_on_line = false;
         self.session.forget_placed();
         let numbers = clicks.map(|click| click + 1);
         if self.begin(format!("Swap the names of points {} and {}", numbers[0], numbers[1])) {
@@ -175,7 +175,7 @@ impl App {
                     }
                 }
             }
-            self.session.selected = Some(clicks[0]);
+            self.session.points.selected = Some(clicks[0]);
             self.clicks_changed();
             self.commit();
             let text = format!("Points {} and {} have swapped their names.", numbers[0], numbers[1]);
@@ -203,13 +203,13 @@ impl App {
             return;
         }
         self.session.mode = Mode::Idle;
-        self.session.next_on_line = false;
+        self.session.points.next_on_line = false;
         self.session.forget_placed();
         if self.begin(format!("Name {label}")) {
             if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
                 click.target = Some(target.clone());
             }
-            self.session.selected = Some(click);
+            self.session.points.selected = Some(click);
             self.clicks_changed();
             self.commit();
             self.warn_of_unmarked(&target);

@@ -95,7 +95,7 @@ impl App {
             (Some(numbers), Some(step)) => {
                 // Begun anew from the document before: what the shown frame followed is part of the whole change.
                 self.abort();
-                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)));
+                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ());
             }
             _ => self.commit(),
         }
@@ -196,8 +196,9 @@ fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::transfer::{TransferAction, UnderWay};
-    use crate::app::{Action, Opened, Settings};
+    use crate::app::operation::Report;
+    use crate::app::operations::transfer::TransferWrite;
+    use crate::app::{Action, EditAction, Effect, Opened, Question, Settings};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Document, Frame};
 
@@ -217,10 +218,16 @@ mod tests {
     fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
         for own_field in [false, true] {
             let mut app = app(own_field);
-            app.session.transfer.under_way = Some(UnderWay { ticket: 1, revision: 0, writes: true, pictures: None });
-            app.update(Action::Transfer(TransferAction::Written { ticket: 1, result: Ok("written".to_owned()) }));
-            let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
-            assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
+            let effects = app.update(Action::Answer(Question::DatasetTo, "/match/set".into()));
+            let job = effects.into_iter().find_map(|effect| match effect {
+                Effect::Start(job) => job.operation::<TransferWrite>().is_some().then_some(job),
+                _ => None,
+            });
+            let written = Report::of_end::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
+            app.update(Action::Report(written));
+            let offers =
+                |app: &App| app.session.messages.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
+            assert_eq!(offers(&app), 1, "{:?}", app.session.messages.notices);
             app.update(Action::Command(Command::ConfirmFieldSize));
             assert_eq!((app.shown_field_spec().unwrap().assumed_size(), offers(&app)), (None, 0));
             assert!(app.why_not(Command::ConfirmFieldSize).is_some());
@@ -236,7 +243,7 @@ mod tests {
         let mut app = app(true);
         let mut spec = app.shown_field_spec().unwrap().clone();
         spec.params.insert("length_m".to_owned(), 26.0);
-        app.update(Action::EditField(spec.clone()));
+        app.update(Action::Edit(EditAction::Field(spec.clone())));
         let document = &app.open().unwrap().document;
         assert_eq!((document.cameras[0].field.as_ref(), document.field.params.len()), (Some(&spec), 0));
     }

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Command;
 use crate::app::OutsideChoice;
-use crate::app::effect::Effect;
+use crate::app::effect::{Effect, Opening, OrphanOrder};
 use crate::app::session::{Dialog, Level, Mode};
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
@@ -46,13 +46,13 @@ impl App {
     /// What the window holds is among the edits that are set aside until somebody decides.
     pub(super) fn changed_outside(&mut self, path: PathBuf, own: Option<Orphan>) {
         let is_leaving = self.stay().is_some();
-        if self.session.changed_outside.replace(path).is_none() || is_leaving {
+        if self.session.disk.changed_outside.replace(path).is_none() || is_leaving {
             self.session.dialog = Some(Dialog::ChangedOutside);
         }
         if let Some(own) = own {
-            self.session.orphans.retain(|orphan| orphan.path != own.path);
-            self.session.own_version = Some(own.path.clone());
-            self.session.orphans.push(own);
+            self.session.disk.orphans.retain(|orphan| orphan.path != own.path);
+            self.session.disk.own_version = Some(own.path.clone());
+            self.session.disk.orphans.push(own);
         }
     }
 
@@ -63,8 +63,8 @@ impl App {
             OutsideChoice::Merge => self.effects.push(Effect::ReadOutside),
             OutsideChoice::Replace => self.effects.push(Effect::SaveOver),
             OutsideChoice::TakeTheirs => {
-                self.session.opening = Some("Opening the other version…".to_owned());
-                self.effects.push(Effect::Reopen(open.file.clone()));
+                self.session.disk.opening = Some("Opening the other version…".to_owned());
+                self.effects.push(Effect::Open(Opening::Again(open.file.clone())));
             }
         }
     }
@@ -80,7 +80,7 @@ impl App {
 
     /// Says what was set aside beside the document.
     pub(super) fn tell_orphans(&mut self) {
-        let count: usize = self.session.orphans.iter().map(|orphan| orphan.edits.len()).sum();
+        let count: usize = self.session.disk.orphans.iter().map(|orphan| orphan.edits.len()).sum();
         if count > 0 {
             let edits = if count == 1 { "1 edit".to_owned() } else { format!("{count} edits") };
             let text = format!("{edits} of another version of this document are set aside.");
@@ -93,13 +93,13 @@ impl App {
         let Some(open) = &self.open else { return };
         let merged = edits.merged_into(&open.document);
         if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {
-            self.effects.push(Effect::PutOrphanAway { orphan });
+            self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::PutAway });
         }
     }
 
     pub(super) fn orphan_put_away(&mut self, orphan: &Path, renamed: &Path) {
-        self.session.orphans.retain(|known| known.path != orphan);
-        if self.session.orphans.is_empty() && self.session.dialog == Some(Dialog::Orphans) {
+        self.session.disk.orphans.retain(|known| known.path != orphan);
+        if self.session.disk.orphans.is_empty() && self.session.dialog == Some(Dialog::Orphans) {
             self.session.dialog = None;
         }
         self.session.notify(Level::Info, format!("The edits are merged; their file is now {}.", renamed.display()));
@@ -123,7 +123,7 @@ impl App {
         let last = open.document.frames.len().saturating_sub(1);
         self.session.frame = place.unwrap_or(self.session.frame.min(last));
         self.session.mode = Mode::Idle;
-        self.session.selected = None;
+        self.session.points.selected = None;
         self.session.frames_selected.clear();
         // The frames follow their cameras already.
         self.close_step();

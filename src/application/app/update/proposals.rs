@@ -32,9 +32,9 @@ impl App {
 
     fn journal_suggested(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
-        self.effects.push(Effect::Journal { edit, revision: open.revision });
-        if !matches!(self.session.saving, Saving::Failed { .. }) {
-            self.session.saving = Saving::Pending;
+        self.effects.push(Effect::Journal { edit: Box::new(edit), revision: open.revision });
+        if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
+            self.session.disk.saving = Saving::Pending;
         }
     }
 
@@ -51,7 +51,7 @@ impl App {
     }
 
     /// Tells of proposals that were made for an old base.
-    pub(super) fn tell_withdrawn(&mut self, withdrawn: usize) {
+    pub(in crate::app) fn tell_withdrawn(&mut self, withdrawn: usize) {
         if withdrawn > 0 {
             let (proposals, were) = if withdrawn == 1 { ("proposal", "was") } else { ("proposals", "were") };
             let text = format!("{withdrawn} {proposals} for the old base {were} discarded; proposing again.");

@@ -18,8 +18,8 @@ impl App {
         // What was begun in the picture does not go on behind the page.
         self.commit_open_step();
         self.session.mode = Mode::Idle;
-        self.session.hover = None;
-        self.session.next_on_line = false;
+        self.session.points.hover = None;
+        self.session.points.next_on_line = false;
     }
 
     pub(super) fn set_quality_camera(&mut self, camera: CameraId) {

@@ -20,18 +20,21 @@ impl App {
     }
 
     /// Takes the reports that no longer have to wait.
-    pub(super) fn deliver_waiting_reports(&mut self) {
+    pub(in crate::app) fn deliver_waiting_reports(&mut self) {
         for report in std::mem::take(&mut self.waiting_reports) {
             self.receive(report);
         }
     }
 
+    /// Whether a step of undo is open, as during a drag.
+    pub(in crate::app) fn is_amid_step(&self) -> bool {
+        self.open.as_ref().is_none_or(|open| open.history.is_open())
+    }
+
     /// Whether the user is in the middle of a change, as of a drag, or one is being worked out: results that change the
     /// document wait for its end.
     pub(in crate::app) fn is_amid_change(&self) -> bool {
-        self.session.mode != Mode::Idle
-            || self.session.bulk.is_some()
-            || self.open.as_ref().is_none_or(|open| open.history.is_open())
+        self.session.mode != Mode::Idle || self.operations.bulk_solve.is_running() || self.is_amid_step()
     }
 }
 
@@ -40,7 +43,7 @@ mod tests {
     use super::super::App;
     use crate::app::operation::probe::Probe;
     use crate::app::operation::{Breakdown, Failure, Job, Report, RequestId};
-    use crate::app::{Action, Effect, Opened, Settings};
+    use crate::app::{Action, Effect, Opened, Settings, ViewAction};
     use touchline_documents::document::{Document, FieldSpec};
 
     fn opened() -> Action {
@@ -109,10 +112,10 @@ mod tests {
         app.operations.probe.must_wait = true;
         app.update(end(job.id(), 1));
         assert!(app.operations.probe.taken.is_empty() && app.operations.probe.slot.is_running());
-        app.update(Action::SelectNoFrames);
+        app.update(Action::View(ViewAction::SelectNoFrames));
         assert!(app.operations.probe.taken.is_empty());
         app.operations.probe.must_wait = false;
-        app.update(Action::SelectNoFrames);
+        app.update(Action::View(ViewAction::SelectNoFrames));
         assert_eq!(app.operations.probe.taken, [Ok(1)]);
 
         let job = start(&mut app);
@@ -120,7 +123,7 @@ mod tests {
         app.update(end(job.id(), 2));
         assert!(app.operations.probe.slot.cancel());
         app.operations.probe.must_wait = false;
-        app.update(Action::SelectNoFrames);
+        app.update(Action::View(ViewAction::SelectNoFrames));
         assert_eq!((app.operations.probe.taken.len(), app.waiting_reports.len()), (1, 0));
     }
 

@@ -1,7 +1,7 @@
 //! What belongs to the user changes, and is kept.
 
 use super::App;
-use crate::app::action::Action;
+use crate::app::action::SettingsAction;
 use crate::app::effect::Effect;
 use crate::app::settings::{PICTURE_MEMORY_MIB, text_size_within_limits};
 use crate::scene::OverlayStyle;
@@ -14,24 +14,26 @@ impl App {
         self.settings.overlay_of(template)
     }
 
-    /// Changes one of the user's settings; other actions change nothing.
-    pub(super) fn set_setting(&mut self, action: &Action) {
+    /// Changes one of the user's settings.
+    pub(super) fn set_setting(&mut self, action: SettingsAction) {
         let settings = &mut self.settings;
-        match *action {
-            Action::SetOverlayStyle(style) => settings.overlay = style,
-            Action::SetTheme(theme) => settings.theme = theme,
-            Action::SetLineColour(sport, colour) => settings.set_line_colour(sport, colour),
-            Action::SetLoupe(loupe) => settings.loupe = loupe.within_limits(),
-            Action::SetPictureMemory(mib) => {
+        match action {
+            SettingsAction::OverlayStyle(style) => settings.overlay = style,
+            SettingsAction::Theme(theme) => settings.theme = theme,
+            SettingsAction::LineColour(sport, colour) => settings.set_line_colour(sport, colour),
+            SettingsAction::Loupe(loupe) => settings.loupe = loupe.within_limits(),
+            SettingsAction::PictureMemory(mib) => {
                 settings.picture_memory_mib = mib.clamp(*PICTURE_MEMORY_MIB.start(), *PICTURE_MEMORY_MIB.end());
             }
-            Action::SetPictureLook(look) => settings.picture = look.within_limits(),
-            Action::SetTextSize(size) => settings.text_size = text_size_within_limits(size),
-            Action::SetPanelSizes { side, filmstrip } => {
+            SettingsAction::PictureLook(look) => settings.picture = look.within_limits(),
+            SettingsAction::TextSize(size) => settings.text_size = text_size_within_limits(size),
+            SettingsAction::PanelSizes { side, filmstrip } => {
                 settings.side_width = side;
                 settings.filmstrip_height = filmstrip;
             }
-            _ => return,
+            SettingsAction::AssignKey(command, chord) => self.assign_key(command, chord),
+            SettingsAction::ResetKeys => settings.keys.reset(),
+            SettingsAction::Details(shown) => settings.details = shown,
         }
         self.effects.push(Effect::SaveSettings);
     }

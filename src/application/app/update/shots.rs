@@ -1,116 +1,13 @@
-//! The shots of a video: found in the background, changed cut by cut.
+//! The shots of a video, changed cut by cut.
 
 use super::App;
-use crate::app::effect::Effect;
 use crate::app::session::Level;
-use crate::app::shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch, file_of, without_shots};
-use crate::app::video::{RunningSearch, VideoAction};
-use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, ShotsError, Step, VideoShots};
-use touchline_vision::media::MediaError;
+use touchline_documents::document::{Document, Frame, ShotsError, VideoShots};
 
 impl App {
-    pub(super) fn video(&mut self, action: VideoAction) {
-        match action {
-            VideoAction::ShotProgress { ticket, progress } => {
-                if let Some(search) = self.session.video.search.as_mut().filter(|search| search.ticket == ticket) {
-                    search.progress = progress;
-                }
-            }
-            VideoAction::ShotsFound { ticket, found } => self.shots_found(ticket, found),
-            VideoAction::MoveCut { cut, to } => self.change_shots("Move cut", |shots, _, _| shots.move_cut(cut, to)),
-            VideoAction::SetSpeed(speed) => self.session.video.speed = speed,
-            VideoAction::Pause => self.session.video.playing = false,
-            VideoAction::GoToPlace(place) => self.go_to_place(place),
-            VideoAction::PictureAwaited(awaited) => self.session.video.picture_awaited = awaited,
-        }
-    }
-
-    /// Looks for the cuts of a video that has just been imported: nobody has done anything in the document yet.
-    pub(super) fn find_shots_of_new(&mut self) {
-        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else { return };
-        let is_new = |status| matches!(status, FrameStatus::New | FrameStatus::Suggested);
-        if !open.document.shots.is_empty() || !open.document.frames.iter().all(|frame| is_new(frame.status)) {
-            return;
-        }
-        if let Some((video, path)) = without_shots(&open.document, &open.folder).into_iter().next() {
-            self.begin_shot_search(video, path);
-        }
-    }
-
-    /// Looks for the cuts of the shown frame's video, again if need be.
-    pub(super) fn find_shots(&mut self) {
-        let Some((open, frame)) = self.open.as_ref().zip(self.frame()) else { return };
-        let video = frame.video.as_ref().map(|video| video.path.clone());
-        if let Some((video, path)) = video.zip(file_of(frame, &open.folder)) {
-            self.begin_shot_search(video, path);
-        }
-    }
-
-    fn begin_shot_search(&mut self, video: String, path: std::path::PathBuf) {
-        if cfg!(not(feature = "opencv")) {
-            return;
-        }
-        self.shot_tickets += 1;
-        let ticket = self.shot_tickets;
-        let num_below = self.open.as_ref().map_or(0, |open| open.history.num_done());
-        let (video_name, progress) = (video.clone(), ShotProgress::default());
-        let search = RunningSearch { ticket, video: video_name, progress, num_below, found: None };
-        self.session.video.search = Some(search);
-        self.effects.push(Effect::FindShots(Box::new(ShotSearch { ticket, video, path })));
-    }
-
-    /// Stops the search for cuts; nothing has changed.
-    pub(super) fn stop_shot_search(&mut self) {
-        if self.session.video.search.take().is_some() {
-            self.effects.push(Effect::CancelShots);
-        }
-    }
-
-    fn shots_found(&mut self, ticket: u64, found: Result<FoundShots, ShotFailure>) {
-        let Some(search) = self.session.video.search.as_mut().filter(|search| search.ticket == ticket) else { return };
-        match found {
-            Ok(found) => search.found = Some(found),
-            Err(failure) => {
-                let video = search.video.clone();
-                self.session.video.search = None;
-                if !matches!(failure, ShotFailure::Media(MediaError::Stopped { .. })) {
-                    let text = format!("The search for cuts in {video} failed: {failure}");
-                    self.session.notify(Level::Warning, text);
-                }
-            }
-        }
-    }
-
-    /// Marks the shots that were found, once nothing else is under way: a drag is not cut in two.
-    pub(super) fn finish_shot_search(&mut self) {
-        if self.open.as_ref().is_none_or(|open| open.history.is_open()) {
-            return;
-        }
-        let Some(search) = self.session.video.search.take_if(|search| search.found.is_some()) else { return };
-        let Some(found) = search.found else { return };
-        let count = found.cuts.len() + 1;
-        let fades = found.cuts.iter().filter(|(_, kind)| *kind == ShotKind::Fade).count();
-        let name = if count == 1 { "Mark the shot".to_owned() } else { format!("Mark {count} shots") };
-        if self.refuses_changes() {
-            return;
-        }
-        let Some(open) = &mut self.open else { return };
-        let shots = VideoShots::found(&open.document, &search.video, found.last, &found.cuts);
-        let step = Step::on_document(name.clone());
-        if open.mark_shots(shots, step, search.num_below) {
-            self.journal(&name, EditKind::NoStep);
-            self.journal_whole();
-        } else {
-            self.journal(&name, EditKind::Step { frame: None });
-        }
-        if count > 1 {
-            let unsure = match fades {
-                0 => String::new(),
-                1 => " One is a fade; its position is uncertain.".to_owned(),
-                fades => format!(" {fades} are fades; their positions are uncertain."),
-            };
-            self.session.notify(Level::Info, format!("{count} shots found.{unsure}"));
-        }
+    /// A cut of the shown frame's video goes to another frame.
+    pub(super) fn move_cut(&mut self, cut: u64, to: u64) {
+        self.change_shots("Move cut", |shots, _, _| shots.move_cut(cut, to));
     }
 
     /// A shot begins at the shown frame.

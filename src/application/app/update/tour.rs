@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::action::Action;
+use crate::app::action::{Action, EditAction, PointerAction};
 use crate::app::session::{Level, Mode, is_to_do};
 use crate::app::tour::{Sight, Tour};
 
@@ -62,7 +62,10 @@ impl App {
 
     /// What an action tells the tour before it is carried out.
     pub(super) fn tell_tour(&mut self, action: &Action) {
-        let takes_point = matches!(action, Action::Press { on: Some(_), .. } | Action::Nudge { .. });
+        let takes_point = matches!(
+            action,
+            Action::Pointer(PointerAction::Press { on: Some(_), .. }) | Action::Edit(EditAction::Nudge { .. })
+        );
         if let Some(tour) = self.session.tour.as_mut().filter(|_| takes_point) {
             tour.point_taken();
         }

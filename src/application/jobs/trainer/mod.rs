@@ -24,12 +24,11 @@ use self::mailbox::{Orders, TrainerMailbox};
 use self::work::Work;
 use super::worker::{Mailbox, Worker};
 use super::{SharedPictures, Wake};
-use crate::app::{TrainerOrder, TrainerStatus};
+use crate::app::{TrainerOrder, TrainerReport};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use touchline_calibration::proposals::{CarriedProposal, Proposal, UsedFeatures};
 
 /// How many reports may wait to be fetched before the trainer pauses; with each come up to some 64 proposals.
 const MOST_REPORTS: usize = 16;
@@ -49,24 +48,6 @@ impl Default for TrainerOptions {
     fn default() -> Self {
         Self { settle: Duration::from_millis(400), gather: Duration::from_millis(500), threads: None }
     }
-}
-
-/// A report of the trainer.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TrainerReport {
-    /// What it is doing and has found out, when that changed.
-    Status(Box<TrainerStatus>),
-    /// What the forest proposes.
-    Proposals(Vec<Proposal>),
-    /// Cameras carried from key frames of a video to those between them.
-    Carried(Vec<CarriedProposal>),
-    /// How the forest used the shown frame's features.
-    Features(Box<UsedFeatures>),
-    /// An internal error stopped it; there is no trainer any more.
-    Broken {
-        /// The panic's message.
-        message: String,
-    },
 }
 
 /// The trainer of an open document. Dropping it ends its thread.

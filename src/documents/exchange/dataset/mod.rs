@@ -36,6 +36,7 @@ mod write;
 
 pub use done::DatasetDone;
 pub use label_origin::LabelOrigin;
+pub use old_dataset::folder_for_new;
 pub use options::{DatasetOptions, PictureFormat, Pictures, SplitBy, Splitting};
 pub(super) use outside::OwnPlaces;
 pub use plan::{DatasetPlan, PlannedFrame, plan_dataset};

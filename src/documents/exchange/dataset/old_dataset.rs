@@ -3,13 +3,21 @@
 use crate::exchange::error::ExchangeError;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use touchline_vision::media::sha256_of_file;
 
 /// What marks a folder as a dataset; every other file stands in it.
 pub const MANIFEST: &str = "manifest.sha256";
 /// The document of a dataset.
 pub const DOCUMENT: &str = "dataset.json";
+
+/// Where a new folder of this name is written: in place of the chosen one if that is empty or absent or holds a dataset, else in it.
+#[must_use]
+pub fn folder_for_new(chosen: &Path, name: &str) -> PathBuf {
+    let is_full = fs::read_dir(chosen).is_ok_and(|mut entries| entries.next().is_some());
+    let is_dataset = chosen.join(MANIFEST).is_file();
+    if is_full && !is_dataset { chosen.join(name) } else { chosen.to_path_buf() }
+}
 
 /// The files of an earlier dataset with their SHA-256, as its manifest lists them.
 #[derive(Default)]

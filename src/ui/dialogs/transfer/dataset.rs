@@ -13,7 +13,7 @@ use touchline_documents::exchange::{DatasetOptions, DatasetPlan, PictureFormat, 
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
-    let transfer = &panel.app.session.transfer;
+    let transfer = &panel.app.operations.transfer;
     let mut options = transfer.dataset.clone();
     frames(ui, &mut options.frames, &cameras_of(panel.app));
     pictures(ui, &mut options);

@@ -16,7 +16,7 @@ const LIST: f32 = 210.0;
 
 /// The page of exports.
 pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let chosen = panel.app.session.transfer.format;
+    let chosen = panel.app.operations.transfer.format;
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, Format::exports) {
             panel.actions.push(Action::Transfer(TransferAction::Format(format)));
@@ -25,7 +25,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.vertical(|ui| {
             about(ui, chosen);
             ui.add_space(2.0 * theme::SPACE);
-            let before = &panel.app.session.transfer.export;
+            let before = &panel.app.operations.transfer.export;
             let mut options = before.clone();
             frames(ui, &mut options.frames, &cameras_of(panel.app));
             export_options(ui, chosen, &mut options);
@@ -40,7 +40,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The page of imports.
 pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let chosen = panel.app.session.transfer.import_format;
+    let chosen = panel.app.operations.transfer.import_format;
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, Format::imports) {
             panel.actions.push(Action::Transfer(TransferAction::ImportFormat(format)));
@@ -49,7 +49,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.vertical(|ui| {
             about(ui, chosen);
             ui.add_space(2.0 * theme::SPACE);
-            let before = &panel.app.session.transfer.import;
+            let before = &panel.app.operations.transfer.import;
             let mut options = before.clone();
             import_options(ui, chosen, &mut options);
             if options != *before {
@@ -94,7 +94,7 @@ fn about(ui: &mut Ui, format: Format) {
 /// What the export would be.
 fn exported(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
-    let Some(found) = &panel.app.session.transfer.found else { return };
+    let Some(found) = &panel.app.operations.transfer.found else { return };
     match &found.look {
         Look::Export(Ok(made)) => {
             let frames = counted(made.frames, "frame");
@@ -121,7 +121,7 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
 /// What the import brings.
 fn imported(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
-    let Some(found) = &panel.app.session.transfer.found else {
+    let Some(found) = &panel.app.operations.transfer.found else {
         line(ui, "Choose the files; what they bring is shown here before anything changes.", palette.weak);
         return;
     };

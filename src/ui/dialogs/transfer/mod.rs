@@ -11,8 +11,8 @@ use super::{has_just_opened, sheet};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2};
-use touchline_application::app::transfer::{TransferAction, TransferTab, UnderWay};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::transfer::{PicturesWritten, TransferAction, TransferTab};
+use touchline_application::app::{Action, Command, ViewAction};
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(820.0, 560.0);
@@ -36,7 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         let page = vec2(ui.available_width(), height);
         ui.allocate_ui_with_layout(page, Layout::top_down(Align::Min), |ui| {
             ui.set_min_size(page);
-            match panel.app.session.transfer.tab {
+            match panel.app.operations.transfer.tab {
                 TransferTab::Export => formats::export(panel, ui),
                 TransferTab::Dataset => dataset::show(panel, ui),
                 TransferTab::Import => formats::import(panel, ui),
@@ -51,7 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         for (tab, title, tip) in TABS {
-            let is_shown = panel.app.session.transfer.tab == tab;
+            let is_shown = panel.app.operations.transfer.tab == tab;
             let can = tab != TransferTab::Import || panel.app.why_not(Command::Import).is_none();
             let button = ui.add_enabled(can, Button::selectable(is_shown, title));
             let button = button.on_hover_text(tip).on_disabled_hover_text("The document is read-only.");
@@ -65,15 +65,16 @@ fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// The buttons, and what is under way.
 fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
-    let transfer = &panel.app.session.transfer;
-    let (tab, under_way) = (transfer.tab, transfer.under_way);
+    let transfer = &panel.app.operations.transfer;
+    let (tab, is_looking) = (transfer.tab, transfer.is_looking());
     let is_ready = parts::is_ready(transfer);
     let mut push = |action| panel.actions.push(Action::Transfer(action));
-    if let Some(work) = under_way.filter(|work| work.writes) {
+    if let Some(running) = transfer.writing() {
+        let written = running.progress().copied();
         if ui.button("Stop").on_hover_text("End it; nothing is written.").clicked() {
             push(TransferAction::Stop);
         }
-        progress(ui, work);
+        progress(ui, written);
         return;
     }
     // With the focus on nothing Enter means the main button.
@@ -95,7 +96,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         if take.clicked() || entered {
             push(TransferAction::TakeOver);
         }
-        if ui.add_enabled(under_way.is_none(), Button::new(label)).on_hover_text(tip).clicked() {
+        if ui.add_enabled(!is_looking, Button::new(label)).on_hover_text(tip).clicked() {
             push(TransferAction::Choose);
         }
     } else {
@@ -105,17 +106,17 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
     }
     if ui.button("Cancel").on_hover_text("Close without a change. (Esc)").clicked() {
-        panel.actions.push(Action::CloseDialog);
+        panel.actions.push(Action::View(ViewAction::CloseDialog));
     }
-    if under_way.is_some() {
+    if is_looking {
         ui.add(Spinner::new().size(14.0));
         ui.label(RichText::new("Looking…").color(palette.weak));
     }
 }
 
-fn progress(ui: &mut Ui, work: UnderWay) {
-    let (share, text) = match work.pictures {
-        Some((done, of)) => (done as f32 / of.max(1) as f32, format!("{done} of {of} pictures")),
+fn progress(ui: &mut Ui, written: Option<PicturesWritten>) {
+    let (share, text) = match written {
+        Some(written) => (written.share(), format!("{} of {} pictures", written.done, written.of)),
         None => (0.0, "Writing…".to_owned()),
     };
     ui.add(ProgressBar::new(share).desired_width(240.0).text(text));

@@ -3,11 +3,11 @@
 use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
 use touchline_application::app::App;
-use touchline_application::app::transfer::{Look, Transfer, in_dialog};
+use touchline_application::app::transfer::{Look, TransferState, in_dialog};
 use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to take over.
-pub fn is_ready(transfer: &Transfer) -> bool {
+pub fn is_ready(transfer: &TransferState) -> bool {
     transfer.found.as_ref().is_some_and(|found| match &found.look {
         Look::Export(made) => made.is_ok(),
         Look::Dataset(plan) => plan.is_ok(),

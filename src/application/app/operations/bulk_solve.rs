@@ -1,0 +1,174 @@
+//! Changes after which many frames are solved again: few at once, many in the background, each one step of undo.
+
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::session::Level;
+use crate::app::{App, Command};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_calibration::calibrate::{BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved};
+use touchline_core::geometry::thousands;
+use touchline_documents::document::Step;
+
+/// A change of fewer frames than this is made at once: a frame takes 0.1 ms.
+const IN_BACKGROUND: usize = 200;
+
+/// A change is to be worked out.
+#[derive(Debug)]
+pub struct BulkSolving {
+    work: BulkSolve,
+    /// The step of undo that it becomes.
+    step: Step,
+    /// What follows in the window once it is made.
+    then: AfterBulk,
+}
+
+/// What follows in the window from a change that was made: whoever asked for the change knows.
+pub type AfterBulk = fn(&mut App, &BulkChange);
+
+/// The change that is being worked out.
+#[derive(Debug, Default)]
+pub struct BulkSolveState {
+    slot: Slot<BulkSolving>,
+}
+
+// ---- The work ----
+
+impl Operation for BulkSolving {
+    type Progress = BulkProgress;
+    type Output = Box<BulkSolved>;
+    type Error = BulkError;
+
+    const NAME: &'static str = "solving";
+
+    fn run(&self, context: &Context<'_, BulkProgress>) -> Result<Box<BulkSolved>, BulkError> {
+        let furthest = AtomicUsize::new(0);
+        let watch = |progress: BulkProgress| {
+            // Frames are solved by several threads, whose counts overtake each other on the way.
+            let is_further = furthest.fetch_max(progress.done, Ordering::Relaxed) < progress.done;
+            if is_further { context.report(progress) } else { context.check() }
+        };
+        self.work.clone().run(&watch).map(Box::new)
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.bulk_solve.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_step()
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<Box<BulkSolved>, Failure<BulkError>>) {
+        match result {
+            Ok(solved) => {
+                app.join_bulk(self.step.clone(), &solved, self.then);
+            }
+            Err(failure) => app.tell_bulk_failed(&self.step, &failure),
+        }
+    }
+}
+
+// ---- In the application ----
+
+impl BulkSolveState {
+    /// Whether a change is being worked out.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        self.slot.is_running()
+    }
+}
+
+impl App {
+    /// Makes a change as one step of undo: at once, or in the background where it concerns many frames. False, with a message,
+    /// where it cannot be made now. `then` follows once it is made.
+    pub(in crate::app) fn change_in_bulk(&mut self, step: Step, change: BulkChange, then: AfterBulk) -> bool {
+        if let Some(running) = self.operations.bulk_solve.slot.running() {
+            let text = format!("Not while another change is under way: {}", describe(running));
+            self.session.notify_with(Level::Info, text, Some(("Stop", Command::StopSolving)));
+            return false;
+        }
+        if self.refuses_changes() {
+            return false;
+        }
+        self.commit_open_step();
+        let Some(open) = &self.open else { return false };
+        let work = BulkSolve { document: open.document.clone(), folder: open.folder.clone(), change };
+        if work.frames() >= IN_BACKGROUND {
+            self.start(BulkSolving { work, step, then });
+            return true;
+        }
+        match work.run(&|_| ControlFlow::Continue(())) {
+            Ok(solved) => self.join_bulk(step, &solved, then),
+            Err(error) => {
+                self.tell_bulk_failed(&step, &Failure::Failed(error));
+                false
+            }
+        }
+    }
+
+    /// Why there is nothing to stop; none if there is.
+    pub(in crate::app) fn why_not_stop_bulk(&self) -> Option<&'static str> {
+        (!self.operations.bulk_solve.slot.is_running()).then_some("No frames are being solved again.")
+    }
+
+    /// Stops the change that is being worked out; nothing has changed.
+    pub(in crate::app) fn stop_bulk(&mut self) {
+        let slot = &mut self.operations.bulk_solve.slot;
+        let Some(name) = slot.running().map(|running| running.operation().step.name.clone()) else { return };
+        slot.cancel();
+        self.session.notify(Level::Info, format!("{name}: stopped, nothing was changed."));
+    }
+
+    /// Joins a change with the document as it is now; where that has changed too much it is worked out again.
+    fn join_bulk(&mut self, step: Step, solved: &BulkSolved, then: AfterBulk) -> bool {
+        let Some(open) = &self.open else { return false };
+        let joined = match solved.join(&open.document) {
+            Ok(Some(joined)) => joined,
+            Ok(None) => {
+                let change = solved.change_for(&open.document);
+                let work = BulkSolve { document: open.document.clone(), folder: open.folder.clone(), change };
+                self.start(BulkSolving { work, step, then });
+                return true;
+            }
+            Err(error) => {
+                self.tell_bulk_failed(&step, &Failure::Failed(error));
+                return false;
+            }
+        };
+        if !self.begin_step(step) {
+            return false;
+        }
+        if let Some(open) = &mut self.open {
+            *open.document = joined.document;
+        }
+        self.close_step();
+        self.tell_withdrawn(joined.withdrawn);
+        then(self, solved.change());
+        true
+    }
+
+    fn tell_bulk_failed(&mut self, step: &Step, failure: &Failure<BulkError>) {
+        if *failure != Failure::Failed(BulkError::Stopped) {
+            self.session.notify(failure.level(), format!("{}: nothing was changed: {failure}.", step.name));
+        }
+    }
+}
+
+// ---- Words ----
+
+impl BulkSolveState {
+    /// The change under way, with how far it has come.
+    pub(super) fn under_way(&self) -> Option<UnderWay> {
+        let text = describe(self.slot.running()?);
+        Some(UnderWay { text, share: None, stop: Command::StopSolving })
+    }
+}
+
+/// What is being done, in one sentence.
+fn describe(running: &Running<BulkSolving>) -> String {
+    let far = running
+        .progress()
+        .map(|progress| format!(": {} of {} frames solved again", thousands(progress.done), thousands(progress.of)));
+    format!("{}{}…", running.operation().step.name, far.unwrap_or_default())
+}

@@ -1,0 +1,137 @@
+//! Graphics that are burned into the pictures: looked for when a document is opened, and the question what becomes of them.
+
+use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::session::{Level, SidePanel};
+use crate::app::{App, Command};
+use std::convert::Infallible;
+use std::path::PathBuf;
+use touchline_calibration::proposals::{FeatureStore, FoundMask, FramePictures, WorkFolder, find_burnt_in};
+use touchline_core::geometry::PixelBox;
+use touchline_documents::document::{Document, Step};
+use touchline_vision::features::FeatureOptions;
+
+/// The pictures of a document are to be searched for graphics.
+#[derive(Debug)]
+pub struct BurntInSearch {
+    document: Document,
+    /// Its file: features of its pictures are kept beside it.
+    file: PathBuf,
+    /// Where its relative paths start.
+    folder: PathBuf,
+}
+
+/// The search of the open document, and what it found.
+#[derive(Debug, Default)]
+pub(in crate::app) struct BurntInState {
+    slot: Slot<BurntInSearch>,
+    /// Graphics about which the user has not decided.
+    undecided: Vec<FoundMask>,
+}
+
+// ---- The work ----
+
+impl Operation for BurntInSearch {
+    type Progress = Infallible;
+    type Output = Vec<FoundMask>;
+    type Error = Infallible;
+
+    const NAME: &'static str = "burned-in graphics";
+
+    fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<FoundMask>, Infallible> {
+        // The trainer looks at some of the same pictures.
+        let store = FeatureStore::on_disk(&WorkFolder::beside(&self.file));
+        let (document, folder, options) = (&self.document, &*self.folder, FeatureOptions::default());
+        let pictures = FramePictures { document, folder, options, store: &store };
+        Ok(find_burnt_in(&pictures, &mut *context.open_reader(), &|| context.check()).unwrap_or_default())
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.burnt_in.slot
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<Vec<FoundMask>, Failure<Infallible>>) {
+        match result {
+            Ok(found) => app.ask_about_burnt_in(found),
+            Err(failure) => app.session.notify(failure.level(), failure.to_string()),
+        }
+    }
+}
+
+// ---- In the application ----
+
+impl App {
+    /// Why the user has nothing to decide; none if there is something.
+    pub(in crate::app) fn why_not_decide_burnt_in(&self) -> Option<&'static str> {
+        self.operations.burnt_in.undecided.is_empty().then_some("There are no burned-in graphics to decide about.")
+    }
+
+    /// Looks for burned-in graphics in the document that has just been opened.
+    pub(in crate::app) fn find_burnt_in(&mut self) {
+        if self.no_trainer().is_some() {
+            return;
+        }
+        let Some(open) = self.open.as_ref().filter(|open| open.document.frames.len() > 1) else { return };
+        let (document, file, folder) = ((*open.document).clone(), open.file.clone(), open.folder.clone());
+        self.start(BurntInSearch { document, file, folder });
+    }
+
+    /// Asks what becomes of the graphics that were found.
+    fn ask_about_burnt_in(&mut self, found: Vec<FoundMask>) {
+        let Some(open) = &self.open else { return };
+        // A mask may have been drawn while the search ran.
+        let found: Vec<FoundMask> = found.into_iter().filter(|found| is_unmasked(&open.document, found)).collect();
+        if found.is_empty() {
+            return;
+        }
+        let offers = [("Keep", Command::KeepBurntIn), ("Change", Command::ChangeBurntIn)];
+        self.session.notify_with(Level::Question, describe(&found), offers);
+        self.operations.burnt_in.undecided = found;
+    }
+
+    /// The graphics that were found become masks of their cameras: one step of undo.
+    pub(in crate::app) fn keep_burnt_in(&mut self) {
+        let found = std::mem::take(&mut self.operations.burnt_in.undecided);
+        self.session.retract(Command::KeepBurntIn);
+        self.change_masks(Step::on_document("Mask burned-in graphics"), |document, _| {
+            for found in &found {
+                found.mask_in(document);
+            }
+        });
+    }
+
+    /// The same, and the masks can be changed.
+    pub(in crate::app) fn change_burnt_in(&mut self) {
+        self.keep_burnt_in();
+        self.session.picture.masks = true;
+        self.session.panel = SidePanel::Camera;
+    }
+
+    /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of them.
+    #[must_use]
+    pub fn asked_masks(&self) -> Vec<PixelBox> {
+        let Some(frame) = self.frame().filter(|_| self.session.offers(Command::KeepBurntIn)) else { return Vec::new() };
+        let here = |found: &&FoundMask| found.camera == frame.camera && found.mask.covers(frame);
+        self.operations.burnt_in.undecided.iter().filter(here).map(|found| found.mask.pixel_box).collect()
+    }
+}
+
+/// Whether a document has the camera of a graphic and no mask over its middle.
+fn is_unmasked(document: &Document, found: &FoundMask) -> bool {
+    let Some(camera) = document.camera(&found.camera) else { return false };
+    let ranged = camera.ranged_masks.iter().map(|mask| &mask.pixel_box);
+    !camera.masks.iter().chain(ranged).any(|known| known.contains(found.mask.pixel_box.centre()))
+}
+
+// ---- Words ----
+
+/// The question what becomes of the graphics.
+fn describe(found: &[FoundMask]) -> String {
+    match found {
+        [one] => {
+            let PixelBox { x, y, width, height } = one.mask.pixel_box;
+            let size = format!("{width:.0} × {height:.0} px at {x:.0}, {y:.0}");
+            format!("An area looks burned in ({size}). Keep it as a mask, out of training and proposals?")
+        }
+        more => format!("{} areas look burned in. Keep them as masks, out of training and proposals?", more.len()),
+    }
+}

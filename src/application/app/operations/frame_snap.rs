@@ -1,0 +1,247 @@
+//! A frame's camera aligned to the painted lines of its picture, or searched by them alone.
+
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::session::{Level, Mode};
+use crate::app::{App, Command};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use thiserror::Error;
+use touchline_calibration::calibrate::{OnPaintError, camera_on_paint, record_found_by_paint, record_snapped};
+use touchline_calibration::proposals::{PictureError, read_picture};
+use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::field::FieldModel;
+use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, Shared};
+use touchline_vision::paint::{FindOptions, Snapped};
+
+/// A frame's camera is to be aligned to the painted lines, or found by them.
+#[derive(Debug)]
+pub struct FrameSnap {
+    document: Document,
+    /// Where its relative paths start.
+    folder: PathBuf,
+    /// The frame as it is.
+    frame: Shared<Frame>,
+    /// The field that it shows.
+    field: Arc<FieldModel>,
+    /// Whether its camera is searched by the lines alone: it has none.
+    from_scratch: bool,
+}
+
+/// A camera on the painted lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraOnPaint {
+    /// The base that it was aligned with.
+    base: CameraBase,
+    /// The camera and what speaks for it.
+    found: Snapped,
+}
+
+/// Why a frame is not aligned to the paint.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FrameSnapError {
+    /// Its picture cannot be had.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The paint does not decide.
+    #[error(transparent)]
+    Paint(#[from] OnPaintError),
+}
+
+/// The frame that is being aligned, and how those before it were pointed.
+#[derive(Debug, Default)]
+pub struct FrameSnapState {
+    slot: Slot<FrameSnap>,
+    /// The cameras of frames before they were aligned.
+    before: BTreeMap<FrameId, PtzCamera>,
+}
+
+// ---- The work ----
+
+impl Operation for FrameSnap {
+    /// The share of a search that is done, from 0 to 1.
+    type Progress = f64;
+    type Output = Box<CameraOnPaint>;
+    type Error = FrameSnapError;
+
+    const NAME: &'static str = "snap";
+
+    fn run(&self, context: &Context<'_, f64>) -> Result<Box<CameraOnPaint>, FrameSnapError> {
+        let picture = read_picture(&mut *context.open_reader(), &self.frame, &self.folder)?;
+        let how = (&FindOptions::default(), self.from_scratch);
+        let watch = |share| context.report(share);
+        let (base, found) = camera_on_paint(&self.document, &self.frame, &self.field, &picture, how, &watch)?;
+        Ok(Box::new(CameraOnPaint { base, found }))
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.frame_snap.slot
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<Box<CameraOnPaint>, Failure<FrameSnapError>>) {
+        match result {
+            Ok(found) => app.take_camera_on_paint(self, &found),
+            Err(failure) => {
+                let what = if self.from_scratch { "No camera found" } else { "Not snapped" };
+                app.session.notify(failure.level(), format!("{what}: {failure}."));
+            }
+        }
+    }
+}
+
+// ---- In the application ----
+
+impl FrameSnapState {
+    /// The request that is running.
+    #[must_use]
+    pub const fn running(&self) -> Option<&Running<FrameSnap>> {
+        self.slot.running()
+    }
+
+    /// The search by the lines alone that is running.
+    fn search(&self) -> Option<&Running<FrameSnap>> {
+        self.slot.running().filter(|running| running.operation().from_scratch)
+    }
+}
+
+impl App {
+    /// Why a command about the painted lines is not available; none if it is.
+    pub(in crate::app) fn why_not_frame_snap(&self, command: Command) -> Option<&'static str> {
+        match command {
+            Command::Snap => self.why_not_snap(),
+            Command::SearchLines => self.why_not_search_lines(),
+            Command::StopSearch if self.operations.frame_snap.search().is_none() => {
+                Some("No lines are being searched.")
+            }
+            _ => None,
+        }
+    }
+
+    fn why_not_snap(&self) -> Option<&'static str> {
+        self.why_no_paint().or_else(|| {
+            self.current.camera.is_none().then_some("There is no camera to snap yet: click two points first.")
+        })
+    }
+
+    fn why_not_search_lines(&self) -> Option<&'static str> {
+        let frame = self.frame()?;
+        let document = &self.open.as_ref()?.document;
+        let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame));
+        self.why_no_paint()
+            .or_else(|| self.current.camera.is_some().then_some("This frame has a camera: snap it."))
+            .or_else(|| base.is_none().then_some("Its camera has no base yet."))
+    }
+
+    /// Why the painted lines of the shown frame cannot be looked for now.
+    fn why_no_paint(&self) -> Option<&'static str> {
+        let frame = self.frame()?;
+        if self.is_read_only() {
+            return Some("The document is read-only.");
+        }
+        if frame.status == FrameStatus::Rejected {
+            return Some("This frame is marked as not calibratable.");
+        }
+        self.operations.frame_snap.slot.is_running().then_some("The lines are being searched.")
+    }
+
+    /// Carries out a command about the painted lines.
+    pub(in crate::app) fn frame_snap_command(&mut self, command: Command) {
+        match command {
+            Command::Snap => self.snap(false),
+            Command::SearchLines => self.snap(true),
+            Command::StopSearch => {
+                self.operations.frame_snap.slot.cancel();
+                self.session.notify(Level::Info, "The search was stopped; nothing was changed.");
+            }
+            _ => {}
+        }
+    }
+
+    /// Has the shown frame's camera aligned to the painted lines, or found by them alone.
+    fn snap(&mut self, from_scratch: bool) {
+        let Some(field) = self.current.field().cloned() else { return };
+        self.commit_open_step();
+        let Some(open) = &self.open else { return };
+        let Some(frame) = open.document.frames.get(self.session.frame).cloned() else { return };
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.start(FrameSnap { document, folder, frame, field, from_scratch });
+    }
+
+    /// Takes over a camera on the painted lines: one step of undo. A frame that has changed since keeps its camera.
+    fn take_camera_on_paint(&mut self, asked: &FrameSnap, found: &CameraOnPaint) {
+        let position = self.open.as_ref().and_then(|open| {
+            let position = open.document.frames.position_of(&asked.frame.id)?;
+            open.document.frames[position].is_same(&asked.frame).then_some(position)
+        });
+        let Some(position) = position.filter(|_| self.session.mode == Mode::Idle) else {
+            self.session.notify(Level::Info, "The frame changed in the meantime and was not snapped.");
+            return;
+        };
+        let before = self.open.as_ref().and_then(|open| open.document.pointed(&asked.frame));
+        let step = if asked.from_scratch { "Search the painted lines" } else { "Snap to the painted lines" };
+        if !self.begin_step(self.step_at(step, position)) {
+            return;
+        }
+        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
+            let record = if asked.from_scratch { record_found_by_paint } else { record_snapped };
+            record(frame, &found.base, &found.found);
+            if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested && !asked.from_scratch {
+                // A suggestion is no step of undo, and what a person asked for is.
+                frame.status = FrameStatus::Draft;
+            }
+        }
+        self.commit();
+        if let Some(before) = before {
+            let text = describe_snap(&before, found, &asked.frame);
+            self.operations.frame_snap.before.insert(asked.frame.id.clone(), before);
+            self.session.notify(Level::Info, text);
+        } else if asked.from_scratch {
+            let samples = found.found.samples;
+            self.session.notify(
+                Level::Info,
+                format!("Found from {samples} points on painted lines. Check it before you accept."),
+            );
+        }
+    }
+
+    /// The shown frame's camera before it was aligned to the paint, where it is and that is known.
+    #[must_use]
+    pub fn before_snap(&self) -> Option<&PtzCamera> {
+        let frame = self.frame().filter(|frame| frame.is_snapped())?;
+        self.operations.frame_snap.before.get(&frame.id)
+    }
+
+    /// Shows the camera before while the key is down; a frame that was not aligned yet is.
+    pub(in crate::app) fn hold_snap(&mut self, down: bool) {
+        if down && self.before_snap().is_none() {
+            self.command(Command::Snap);
+        } else {
+            self.session.picture.held.before_snap = down;
+        }
+    }
+}
+
+// ---- Words ----
+
+impl FrameSnapState {
+    /// The search under way, with how far it has come. An alignment is over at once.
+    pub(super) fn under_way(&self) -> Option<UnderWay> {
+        let search = self.search()?;
+        let far = search.progress().map(|share| format!(": {:.0} %", 100.0 * share)).unwrap_or_default();
+        let text = format!("Searching the painted lines of {}{far}…", search.operation().frame.name());
+        Some(UnderWay { text, share: None, stop: Command::StopSearch })
+    }
+}
+
+/// How far the picture's middle moved, and what it rests on.
+fn describe_snap(before: &PtzCamera, CameraOnPaint { base, found }: &CameraOnPaint, frame: &Frame) -> String {
+    let after = PtzCamera::new(*base, found.ptz);
+    let centre = frame.image_size.centre();
+    let moved = before.ray_from_image(centre).ok().and_then(|ray| after.image_from_ray(ray).ok());
+    let moved = moved.map(|to| format!(", {:.1} px away", to.distance_px(centre))).unwrap_or_default();
+    format!(
+        "Snapped to {} points on painted lines (within {:.1} px){moved}. Hold S to see it before.",
+        found.samples, found.rms_px
+    )
+}

@@ -1,0 +1,256 @@
+//! The search for the cuts of a video: on request, and unasked when a video has just been imported.
+
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::session::Level;
+use crate::app::{App, Command};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
+use touchline_vision::media::{FrameReader, FrameRef, MediaError};
+use touchline_vision::track::{CutFinder, Miniature};
+
+/// The cuts of a video are to be found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShotSearch {
+    /// The video as the document names it.
+    pub video: String,
+    /// Its file.
+    pub path: PathBuf,
+    /// How many steps could be undone when the search began: what it finds goes beneath those that come later.
+    pub num_below: usize,
+}
+
+/// How far a search has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShotProgress {
+    /// Frames that have been looked at.
+    pub done: usize,
+    /// All frames of the video.
+    pub of: usize,
+}
+
+impl ShotProgress {
+    /// How much is done, in whole percent.
+    #[must_use]
+    pub fn percent(self) -> usize {
+        100 * self.done / self.of.max(1)
+    }
+}
+
+/// The cuts of a video.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FoundShots {
+    /// The video's last frame.
+    pub last: u64,
+    /// The first frame of every shot but the first, and how it was found.
+    pub cuts: Vec<(u64, ShotKind)>,
+}
+
+/// The search of the open document.
+#[derive(Debug, Default)]
+pub struct ShotSearchState {
+    slot: Slot<ShotSearch>,
+}
+
+impl ShotSearchState {
+    /// What is being searched.
+    #[must_use]
+    pub fn running(&self) -> Option<&ShotSearch> {
+        self.slot.running().map(Running::operation)
+    }
+
+    /// How far that has come.
+    #[must_use]
+    pub fn progress(&self) -> ShotProgress {
+        self.slot.running().and_then(Running::progress).copied().unwrap_or_default()
+    }
+}
+
+// ---- The work ----
+
+impl Operation for ShotSearch {
+    type Progress = ShotProgress;
+    type Output = FoundShots;
+    type Error = MediaError;
+
+    const NAME: &'static str = "shots";
+
+    fn run(&self, context: &Context<'_, ShotProgress>) -> Result<FoundShots, MediaError> {
+        let mut percent = None;
+        // Each frame is read once, so that nothing would come of sharing them with the window.
+        self.look(&mut FrameReader::new(), &mut |progress| {
+            context.give_way_to_window();
+            // The window shows whole percents and is painted after each report: a long match has thousands of frames a percent.
+            if percent.replace(progress.percent()) == Some(progress.percent()) {
+                return context.check();
+            }
+            context.report(progress)
+        })
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.shot_search.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_step()
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<FoundShots, Failure<MediaError>>) {
+        match result {
+            Ok(found) => app.mark_found_shots(self, &found),
+            Err(Failure::Failed(MediaError::Stopped { .. })) => {}
+            Err(failure) => {
+                let text = format!("The search for cuts in {} failed: {failure}", self.video);
+                app.session.notify(failure.level(), text);
+            }
+        }
+    }
+}
+
+impl ShotSearch {
+    /// Looks at every frame of the video. `watch` hears before each how far that has come, and may end it: [`MediaError::Stopped`].
+    ///
+    /// # Errors
+    /// The video cannot be opened, or `watch` ended the search.
+    pub fn look(
+        &self,
+        reader: &mut FrameReader,
+        watch: &mut dyn FnMut(ShotProgress) -> ControlFlow<()>,
+    ) -> Result<FoundShots, MediaError> {
+        let of = reader.video_info(&self.path)?.decoded_frames;
+        let mut finder = CutFinder::default();
+        let mut last: Option<Miniature> = None;
+        for done in 0..of {
+            if watch(ShotProgress { done, of }).is_break() {
+                return Err(MediaError::Stopped { path: self.path.clone() });
+            }
+            // A frame that does not decode shows nothing new.
+            if let Ok(picture) = reader.read(&FrameRef::video(self.path.as_path(), done)) {
+                last = Some(Miniature::of(&picture));
+            }
+            if let Some(miniature) = &last {
+                finder.push(miniature.clone());
+            }
+        }
+        // Frames that did not decode at the start were not counted by the finder.
+        let missing = of - finder.frames();
+        let kind = |is_fade| if is_fade { ShotKind::Fade } else { ShotKind::Cut };
+        let cuts = finder.cuts().into_iter().map(|cut| ((cut.frame + missing) as u64, kind(cut.is_fade)));
+        Ok(FoundShots { last: of.saturating_sub(1) as u64, cuts: cuts.collect() })
+    }
+}
+
+/// The videos of a document of which nobody has said what their shots are, by name and file: no frame of theirs belongs to one.
+fn without_shots(document: &Document, folder: &Path) -> Vec<(String, PathBuf)> {
+    let mut videos: Vec<(String, PathBuf, bool)> = Vec::new();
+    for frame in &document.frames {
+        let Some(video) = &frame.video else { continue };
+        let is_in_shot = frame.clip.is_some();
+        match videos.iter_mut().find(|(name, ..)| *name == video.path) {
+            Some((.., has_shots)) => *has_shots |= is_in_shot,
+            None => videos.extend(file_of(frame, folder).map(|file| (video.path.clone(), file, is_in_shot))),
+        }
+    }
+    videos.into_iter().filter(|(.., has_shots)| !has_shots).map(|(name, file, _)| (name, file)).collect()
+}
+
+/// The file of a frame's video.
+fn file_of(frame: &Frame, folder: &Path) -> Option<PathBuf> {
+    match frame.picture_source(folder)? {
+        FrameRef::Video { path, .. } => Some(path.to_path_buf()),
+        FrameRef::Image(_) => None,
+    }
+}
+
+// ---- In the application ----
+
+impl App {
+    /// Why a command of the search is not available; none if it is.
+    pub(in crate::app) fn why_not_shot_search(&self, command: Command) -> Option<&'static str> {
+        match command {
+            Command::FindShots if self.is_read_only() => Some("The document is read-only."),
+            Command::FindShots if self.frame().is_some_and(|frame| frame.video.is_none()) => {
+                Some("This frame does not come from a video.")
+            }
+            Command::StopShotSearch if !self.operations.shot_search.slot.is_running() => {
+                Some("No search for cuts is running.")
+            }
+            _ => None,
+        }
+    }
+
+    /// Carries out a command of the search.
+    pub(in crate::app) fn shot_search_command(&mut self, command: Command) {
+        match command {
+            Command::FindShots => self.find_shots(),
+            Command::StopShotSearch => {
+                self.operations.shot_search.slot.cancel();
+            }
+            _ => {}
+        }
+    }
+
+    /// Looks for the cuts of a video that has just been imported: the user has done nothing in the document yet.
+    pub(in crate::app) fn find_shots_of_new(&mut self) {
+        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else { return };
+        let is_new = |status| matches!(status, FrameStatus::New | FrameStatus::Suggested);
+        if !open.document.shots.is_empty() || !open.document.frames.iter().all(|frame| is_new(frame.status)) {
+            return;
+        }
+        if let Some((video, path)) = without_shots(&open.document, &open.folder).into_iter().next() {
+            self.begin_shot_search(video, path);
+        }
+    }
+
+    /// Looks for the cuts of the shown frame's video, again if need be.
+    fn find_shots(&mut self) {
+        let Some((open, frame)) = self.open.as_ref().zip(self.frame()) else { return };
+        let video = frame.video.as_ref().map(|video| video.path.clone());
+        if let Some((video, path)) = video.zip(file_of(frame, &open.folder)) {
+            self.begin_shot_search(video, path);
+        }
+    }
+
+    fn begin_shot_search(&mut self, video: String, path: PathBuf) {
+        if cfg!(not(feature = "opencv")) {
+            return;
+        }
+        let num_below = self.open.as_ref().map_or(0, |open| open.history.num_done());
+        self.start(ShotSearch { video, path, num_below });
+    }
+
+    /// Marks the shots that were found.
+    fn mark_found_shots(&mut self, search: &ShotSearch, found: &FoundShots) {
+        let count = found.cuts.len() + 1;
+        let name = if count == 1 { "Mark the shot".to_owned() } else { format!("Mark {count} shots") };
+        if self.refuses_changes() {
+            return;
+        }
+        let Some(open) = &mut self.open else { return };
+        let shots = VideoShots::found(&open.document, &search.video, found.last, &found.cuts);
+        let step = Step::on_document(name.clone());
+        if open.mark_shots(shots, step, search.num_below) {
+            self.journal(&name, EditKind::NoStep);
+            self.journal_whole();
+        } else {
+            self.journal(&name, EditKind::Step { frame: None });
+        }
+        if count > 1 {
+            self.session.notify(Level::Info, describe(found));
+        }
+    }
+}
+
+// ---- Words ----
+
+/// What was found.
+fn describe(found: &FoundShots) -> String {
+    let fades = found.cuts.iter().filter(|(_, kind)| *kind == ShotKind::Fade).count();
+    let unsure = match fades {
+        0 => String::new(),
+        1 => " One is a fade; its position is uncertain.".to_owned(),
+        fades => format!(" {fades} are fades; their positions are uncertain."),
+    };
+    format!("{} shots found.{unsure}", found.cuts.len() + 1)
+}

@@ -1,0 +1,94 @@
+//! What the dialog of exports and imports says.
+
+use crate::app::sentence;
+use touchline_core::geometry::counted;
+use touchline_documents::exchange::{ExchangeError, Joined};
+
+/// Options of the command line, and what they are called in the dialog. The longer of two that begin alike comes first.
+const OPTIONS: [(&str, &str); 21] = [
+    ("give a --map file with them, or --skip-unmapped", "choose what labels are, or leave out others"),
+    (" (--images FOLDER)", ""),
+    ("; --size WIDTHxHEIGHT gives another", ""),
+    ("--size WIDTHxHEIGHT or --images FOLDER", "the picture size"),
+    ("--size WIDTHxHEIGHT", "the picture size"),
+    ("given by --size", "given as picture size"),
+    ("--size ", "picture size "),
+    ("--sensor-mm", "sensor width"),
+    ("--zoom", "what zoom values are"),
+    ("--fps", "frames a second"),
+    ("--match-id", "the match's id"),
+    ("--start-time", "when the video begins"),
+    ("--perspective", "the perspective"),
+    ("choose one with --camera", "choose one"),
+    ("--split-by ", "divided by "),
+    ("; --outside-pictures takes it too", ""),
+    ("; --outside-pictures copies them too", ""),
+    ("; --set length_m=… and width_m=… give another", ""),
+    (" (--outside keep)", ""),
+    (" (--images copy)", ""),
+    (" (--variant gamestate)", ""),
+];
+
+/// An error in one line, with the dialog's words for the command line's options.
+pub(super) fn describe_error(error: &ExchangeError) -> String {
+    match error {
+        ExchangeError::Exists { path } => format!("{} exists already; choose another place.", path.display()),
+        ExchangeError::OtherDisk { .. } => {
+            "The pictures lie on another disk and cannot be linked; copy them instead.".to_owned()
+        }
+        other => in_dialog(&other.to_string()),
+    }
+}
+
+/// What an export or import says, as a sentence with the dialog's words for the command line's options.
+#[must_use]
+pub fn in_dialog(text: &str) -> String {
+    sentence(&OPTIONS.iter().fold(text.to_owned(), |text, (option, words)| text.replace(option, words)))
+}
+
+/// Bytes for people: "34 MB".
+#[must_use]
+pub fn describe_bytes(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    let mut value = bytes as f64 / 1000.0;
+    let mut unit = 0;
+    while value >= 999.5 && unit + 1 < UNITS.len() {
+        value /= 1000.0;
+        unit += 1;
+    }
+    if value < 9.95 { format!("{value:.1} {}", UNITS[unit]) } else { format!("{value:.0} {}", UNITS[unit]) }
+}
+
+/// What was taken over, in words.
+pub(super) fn describe_joined(joined: &Joined) -> String {
+    let frames = joined.matched + joined.added;
+    format!(
+        "Labels of {} were imported: {}, {}.",
+        counted(frames, "frame"),
+        counted(joined.clicks, "click"),
+        counted(joined.cameras, "new camera")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::exchange::Format;
+
+    #[test]
+    fn sizes_are_said_as_people_say_them() {
+        assert_eq!(
+            [0, 1234, 34_400_000, 999_700_000, 1_260_000_000].map(describe_bytes),
+            ["0.0 kB", "1.2 kB", "34 MB", "1.0 GB", "1.3 GB"]
+        );
+    }
+
+    #[test]
+    fn errors_are_sentences_without_options() {
+        let exists = ExchangeError::Exists { path: "out".into() };
+        assert_eq!(describe_error(&exists), "out exists already; choose another place.");
+        let needed = ExchangeError::ExportNeeds { format: Format::Cdf, what: "the frame rate", option: "--fps" };
+        assert_eq!(describe_error(&needed), "Cdf needs the frame rate; give frames a second.");
+        assert_eq!(describe_error(&ExchangeError::Stopped), "Stopped; nothing was written.");
+    }
+}

@@ -1,0 +1,131 @@
+//! An export or a dataset, written.
+
+use super::words::describe_error;
+use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::session::{Dialog, Level};
+use crate::app::{App, sentence};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use touchline_core::geometry::counted;
+use touchline_documents::document::Document;
+use touchline_documents::exchange::{
+    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, export, folder_for_new,
+    plan_dataset, write_dataset,
+};
+
+/// An export or a dataset is to be written.
+#[derive(Debug)]
+pub struct TransferWrite {
+    pub(super) document: Document,
+    /// Where its relative paths start.
+    pub(super) folder: PathBuf,
+    pub(super) writing: Writing,
+}
+
+/// What is written.
+#[derive(Debug)]
+pub(super) enum Writing {
+    Export {
+        format: Format,
+        options: Box<ExportOptions>,
+        /// As it was made for the dialog; none where the document has changed since.
+        made: Option<Arc<Exported>>,
+        to: PathBuf,
+        /// A file that is there is replaced; a folder never is.
+        replace: bool,
+    },
+    Dataset {
+        /// As planned for the dialog; none where the document has changed since.
+        plan: Option<Arc<DatasetPlan>>,
+        options: Box<DatasetOptions>,
+        to: PathBuf,
+        /// A dataset that is there is replaced.
+        replace: bool,
+    },
+}
+
+/// How many pictures of a dataset are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PicturesWritten {
+    /// So far.
+    pub done: usize,
+    /// Of all.
+    pub of: usize,
+}
+
+impl PicturesWritten {
+    /// The share that is done, from 0 to 1.
+    #[must_use]
+    pub fn share(self) -> f32 {
+        self.done as f32 / self.of.max(1) as f32
+    }
+}
+
+impl Operation for TransferWrite {
+    type Progress = PicturesWritten;
+    /// What is said of it.
+    type Output = String;
+    type Error = ExchangeError;
+
+    const NAME: &'static str = "export";
+
+    fn run(&self, context: &Context<'_, PicturesWritten>) -> Result<String, ExchangeError> {
+        match &self.writing {
+            Writing::Export { format, options, made, to, replace } => {
+                let exported = match made {
+                    Some(made) => Arc::clone(made),
+                    None => Arc::new(export(self.document.at(&self.folder), *format, options)?),
+                };
+                let to = if format.is_folder() { folder_for_new(to, format.name()) } else { to.clone() };
+                // It may have been stopped while it was made.
+                if context.check().is_break() {
+                    return Err(ExchangeError::Stopped);
+                }
+                exported.write(&to, *replace && !exported.is_folder())?;
+                Ok(format!("{} written as {format}: {}", counted(exported.frames, "frame"), to.display()))
+            }
+            Writing::Dataset { plan, options, to, replace } => {
+                let at = self.document.at(&self.folder);
+                let plan = match plan {
+                    Some(plan) => Arc::clone(plan),
+                    None => Arc::new(plan_dataset(at, options)?),
+                };
+                let (to, mut reader) = (folder_for_new(to, "dataset"), context.open_reader());
+                let watch = &mut |done, of| context.report(PicturesWritten { done, of });
+                let done = write_dataset(at, &plan, options, &mut *reader, &to, *replace, watch)?;
+                Ok(describe_dataset(&done, &to))
+            }
+        }
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.transfer.write
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<String, Failure<ExchangeError>>) {
+        match result {
+            Ok(text) => {
+                if app.session.dialog == Some(Dialog::Transfer) {
+                    app.session.dialog = None;
+                }
+                app.session.notify(Level::Info, text);
+                app.tell_assumed_size();
+            }
+            Err(Failure::Failed(error)) => app.session.notify(Level::Error, describe_error(&error)),
+            Err(failure) => app.session.notify(Level::Error, sentence(&failure.to_string())),
+        }
+        let transfer = &app.operations.transfer;
+        if transfer.found.is_none() && !transfer.is_looking() {
+            app.look_again();
+        }
+    }
+}
+
+/// What was written.
+fn describe_dataset(done: &DatasetDone, to: &Path) -> String {
+    let left_out = match done.left_out.len() {
+        0 => String::new(),
+        count => format!(", {count} left out"),
+    };
+    format!("Dataset of {}{left_out} written: {}", counted(done.frames, "frame"), to.display())
+}
