@@ -78,6 +78,7 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::SearchLines,
             Command::StopSearch,
             Command::Track,
+            Command::RefineBaseOnShot,
             Command::StopTracking,
             Command::DiscardCarried,
             Command::TakeLength,

@@ -9,11 +9,11 @@ use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline::camera::Ptz;
 use touchline::document::{
-    Camera, Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
+    Camera, Click, Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
     document_to_string,
 };
 use touchline::field::{Landmark, LandmarkId};
-use touchline::geometry::{Angle, ImagePoint, Mat3, Vec3};
+use touchline::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 
 fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
@@ -153,12 +153,8 @@ fn the_lines_of_a_whole_clip_refine_a_base_of_which_one_frame_is_known() {
     assert!(worst < 3.0, "{worst} px");
 }
 
-#[test]
-fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base() {
-    let place = tempfile::tempdir().unwrap();
-    let truth = drawn_clip(place.path());
-    let folder = place.path().join("match");
-    let drawn = document(&folder.join("project.json"));
+/// The drawn clip with clicks in its first frame and no more: its camera has no base.
+fn with_one_clicked_frame(folder: &Path, truth: &Document) -> Document {
     let mut asked = document(&folder.join("ask.json"));
     let camera = asked.cameras[0].id.clone();
     *asked.camera_mut(&camera).unwrap() = Camera::new(camera.clone(), asked.frames[0].image_size);
@@ -166,11 +162,38 @@ fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base
         (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
         frame.clip = Some(Clip::Number(1));
         if at == 0 {
-            frame.clicks.clone_from(&drawn.frames[0].clicks);
+            // A hand that is up to a pixel off.
+            let off = |index: usize| Vec2::new((index * 37 % 5) as f64 - 2.0, (index * 53 % 7) as f64 - 3.0) * 0.3;
+            let clicked = |(index, (landmark, at)): (usize, (LandmarkId, ImagePoint))| {
+                Click::landmark(landmark, at.moved(off(index)))
+            };
+            frame.clicks = shown(truth, 0).into_iter().enumerate().map(clicked).collect();
         }
     }
     assert!(asked.frames[0].clicks.len() >= 4);
-    write(&folder.join("clicked.json"), &asked);
+    asked
+}
+
+/// How far the landmarks that all frames of a clip show are off, px: the greatest.
+fn worst_landmark_px(found: &Document, truth: &Document) -> f64 {
+    let off_px = |frame: usize| {
+        let camera = found.pointed(&found.frames[frame]).unwrap();
+        let field = found.at(Path::new("")).model_of(&found.field).unwrap();
+        let shown = shown(truth, frame).into_iter();
+        shown.map(move |(landmark, at)| {
+            let landmark = field.landmark(landmark.as_str()).unwrap();
+            camera.image_from_world(field.landmark_in_world(landmark)).unwrap().distance_px(at)
+        })
+    };
+    (0..truth.frames.len()).flat_map(off_px).fold(0.0, f64::max)
+}
+
+#[test]
+fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    write(&folder.join("clicked.json"), &with_one_clicked_frame(&folder, &truth));
     let ran = touchline(&folder, "track clicked.json -o plain.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stderr.contains("has no base yet"), "{}", ran.stderr);
@@ -179,10 +202,33 @@ fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(ran.stderr.contains("main: the base is refined on"), "{}", ran.stderr);
     let refined = document(&folder.join("refined.json"));
-    let worst = (0..truth.frames.len()).map(|frame| worst_px(&refined, &truth, frame)).fold(0.0, f64::max);
+    let worst = worst_landmark_px(&refined, &truth);
     assert!(worst < 3.0, "{worst} px");
     let confidence = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence);
     assert!(refined.frames.iter().skip(1).all(|frame| confidence(frame).unwrap() > 0.9));
+}
+
+#[test]
+fn in_the_application_the_base_is_refined_on_a_shot_that_is_carried_with_it() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    write(&folder.join("project.json"), &with_one_clicked_frame(&folder, &truth));
+    let mut headless = Headless::opened(&folder);
+    assert!(headless.app.why_not(Command::Track).is_some(), "there is no base");
+    headless.act(Action::Command(Command::RefineBaseOnShot));
+    assert!(headless.app.why_not(Command::RefineBaseOnShot).is_some(), "one at a time");
+    headless.act(Action::Command(Command::StopTracking));
+    assert!(headless.app.why_not(Command::RefineBaseOnShot).is_none(), "stopped");
+
+    headless.act(Action::Command(Command::RefineBaseOnShot));
+    headless.wait_until("the cameras", |app| tracked(app) == 29);
+    let worst = worst_landmark_px(&headless.app.open().unwrap().document, &truth);
+    assert!(worst < 3.0, "{worst} px");
+    let has_base = |app: &App| app.open().unwrap().document.cameras[0].base().is_some();
+    headless.act(Action::Command(Command::Undo));
+    assert!(!has_base(&headless.app), "the base is one step");
+    assert_eq!(tracked(&headless.app), 0, "what was carried with it goes, too");
 }
 
 #[test]

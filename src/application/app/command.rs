@@ -75,6 +75,7 @@ pub enum Command {
     DiscardCarried,
     StopTracking,
     TakeLength,
+    RefineBaseOnShot,
     ShowForBase,
     StopSearch,
     SnapPoints,
@@ -203,6 +204,7 @@ rows! {
     Track, "track", Frame, Picture, "Carry cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
     DiscardCarried, "discard_carried", Frame, Picture, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
     TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the carried frames ask for, where nobody has stated it. One step of undo.", [];
+    RefineBaseOnShot, "refine_base_on_shot", Frame, Picture, "Refine the base on this shot", "Track the shot, correct the camera's base and an assumed field size by the painted lines of all its frames, and repeat that until it stands; then carry the cameras through the shot. One clicked frame is enough. Undo takes the base back, and with it what was carried.", ["Shift+T"];
     StopTracking, "stop_tracking", Frame, Picture, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
     StopSearch, "stop_search", Frame, Picture, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
     SnapPoints, "snap_points", Edit, Application, "Snap points to the paint", "A point that you place or drop moves to the painted corner, crossing or spot that it names, where that is certain. Hold Alt while releasing to keep it where it is.", [];

@@ -24,7 +24,9 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::TrainerPanel | C::PauseTrainer => "forest learn model training relocalization",
         C::ReviewPanel => "suggestions proposals list",
         C::QualityPage => "statistics errors residuals report",
-        C::Track | C::DiscardCarried | C::StopTracking => "propagate interpolate carry follow tracking",
+        C::Track | C::DiscardCarried | C::StopTracking | C::RefineBaseOnShot => {
+            "propagate interpolate carry follow tracking"
+        }
         C::FindCamera => "automatic zero clicks",
         C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => "refine lines paint register",
         C::Export => "save as format JSON CSV SoccerNet COCO",

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{
-    BulkChange, ClipEvidence, ClipFrames, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
-    TrackedFrame, clips, length_on_lines, record_tracked, take_length, track_clip,
+    BulkChange, ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
+    clip_of_frame, length_on_lines, record_tracked, take_length, track_clip,
 };
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::{FieldError, FieldModel};
@@ -28,6 +28,17 @@ pub struct ClipTracking {
     field: Arc<FieldModel>,
     /// What the pictures were found to say before; nothing the first time.
     evidence: Arc<ClipEvidence>,
+    /// Why it is tracked.
+    cause: Cause,
+}
+
+/// Why a clip is tracked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cause {
+    /// The user asks for it, or the base was refined on it.
+    Command,
+    /// It was tracked before, and one of its frames was corrected.
+    Correction,
 }
 
 /// The cameras that were carried.
@@ -79,7 +90,7 @@ impl Operation for ClipTracking {
 
     fn run(&self, context: &Context<'_, ClipProgress>) -> Result<CarriedClip, ClipTrackingError> {
         let mut reader = context.open_reader();
-        let clip = self.clip().ok_or(ClipTrackingError::NoPicture)?;
+        let clip = clip_of_frame(self.document.at(&self.folder), self.frame).ok_or(ClipTrackingError::NoPicture)?;
         let (at, options) = (self.document.at(&self.folder), TrackClipOptions::default());
         let mut evidence = (*self.evidence).clone();
         let watch = &mut |progress| context.report(progress);
@@ -105,15 +116,8 @@ impl Operation for ClipTracking {
 }
 
 impl ClipTracking {
-    /// The clip that the frame belongs to.
-    fn clip(&self) -> Option<ClipFrames> {
-        let of_frame = |clip: &ClipFrames| clip.frames.iter().any(|frame| frame.place == Some(self.frame));
-        clips(self.document.at(&self.folder), None).into_iter().find(of_frame)
-    }
-
-    /// Whether the clip was tracked before, and follows a correction.
     fn is_again(&self) -> bool {
-        *self.evidence != ClipEvidence::default()
+        self.cause == Cause::Correction
     }
 
     /// The length of the field that the tracked frames ask for, if it is another than was assumed.
@@ -155,21 +159,18 @@ impl App {
                 Some("No other length of the field was measured.")
             }
             Command::DiscardCarried if carried.is_none() => Some("No cameras were carried."),
-            Command::StopTracking if !slot.is_running() => Some("No cameras are being carried."),
+            Command::RefineBaseOnShot => self.why_not_refine_base(),
+            Command::StopTracking if !slot.is_running() && !self.is_refining_base() => {
+                Some("No cameras are being carried.")
+            }
             _ => None,
         }
     }
 
     fn why_not_track(&self) -> Option<&'static str> {
         let open = self.open.as_ref()?;
-        if open.read_only.is_some() {
-            return Some("The document is read-only.");
-        }
-        if cfg!(not(feature = "opencv")) {
-            return Some("This program was built without OpenCV and cannot follow points.");
-        }
-        if self.operations.clip_tracking.slot.is_running() {
-            return Some("Cameras are being carried already.");
+        if let Some(why) = self.why_not_follow_points() {
+            return Some(why);
         }
         let frame = self.frame()?;
         if open.document.camera_of(frame).and_then(|camera| camera.base_for(frame)).is_none() {
@@ -179,13 +180,27 @@ impl App {
         others.all(|other| other.ptz.is_none()).then_some("No frame has a camera to carry on: click one first.")
     }
 
+    /// Why no points can be followed through the shown shot; none if they can.
+    pub(super) fn why_not_follow_points(&self) -> Option<&'static str> {
+        if self.is_read_only() {
+            return Some("The document is read-only.");
+        }
+        if cfg!(not(feature = "opencv")) {
+            return Some("This program was built without OpenCV and cannot follow points.");
+        }
+        let is_running = self.operations.clip_tracking.slot.is_running() || self.is_refining_base();
+        is_running.then_some("Cameras are being carried already.")
+    }
+
     /// Carries out a command of the tracking.
     pub(in crate::app) fn clip_tracking_command(&mut self, command: Command) {
         match command {
             Command::Track => {
                 self.commit_open_step();
-                self.track_clip_with(Arc::default());
+                self.track_clip_with(Arc::default(), Cause::Command);
             }
+            Command::RefineBaseOnShot => self.refine_base_on_shot(),
+            Command::StopTracking if self.stop_refining_base() => {}
             Command::StopTracking if self.operations.clip_tracking.slot.cancel() => {
                 self.session.notify(Level::Info, "Carrying cameras was stopped; nothing was changed.");
             }
@@ -201,14 +216,21 @@ impl App {
         let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), carried) else { return };
         let shown = frame.picture_source(&open.folder).is_some_and(|source| carried.evidence.shows(&source));
         if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
-            self.track_clip_with(Arc::clone(&carried.evidence));
+            self.track_clip_with(Arc::clone(&carried.evidence), Cause::Correction);
         }
     }
 
-    fn track_clip_with(&mut self, evidence: Arc<ClipEvidence>) {
+    /// Tracks the shown shot with a base that was refined on it, from the points that were followed for that.
+    pub(super) fn track_with_refined_base(&mut self, evidence: Arc<ClipEvidence>) {
+        if self.why_not_track().is_none() {
+            self.track_clip_with(evidence, Cause::Command);
+        }
+    }
+
+    fn track_clip_with(&mut self, evidence: Arc<ClipEvidence>, cause: Cause) {
         let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else { return };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.start(ClipTracking { document, folder, frame: self.session.frame, field, evidence });
+        self.start(ClipTracking { document, folder, frame: self.session.frame, field, evidence, cause });
     }
 
     /// Takes over what was carried: one step of undo.
@@ -239,10 +261,13 @@ impl App {
             self.commit();
         }
         self.session.retract(Command::DiscardCarried);
-        let offers = [("Review", Command::ReviewPanel), ("Discard", Command::DiscardCarried)];
+        let mut offers = vec![("Review", Command::ReviewPanel), ("Discard", Command::DiscardCarried)];
         if is_again {
             self.session.notify_with(Level::Info, describe_followed(count), offers);
             return;
+        }
+        if taken.frames.iter().any(|frame| frame.contradicted || frame.length_px.is_some()) {
+            offers.insert(1, ("Refine the base", Command::RefineBaseOnShot));
         }
         let level = if taken.stops.is_empty() { Level::Info } else { Level::Warning };
         self.session.notify_with(level, describe_tracked(&taken, count), offers);
@@ -322,11 +347,18 @@ impl ClipTrackingState {
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = match self.slot.running()?.progress() {
             None => "Carrying cameras through the shot…".to_owned(),
-            Some(ClipProgress::Following(done, of)) => format!("Following points: frame {done} of {of}…"),
-            Some(ClipProgress::Painting(done, of)) => format!("Looking at painted lines: {done} of {of} frames…"),
-            Some(ClipProgress::Adjusting) => "Adjusting all frames of the shot together…".to_owned(),
+            Some(progress) => describe_progress(progress),
         };
         Some(UnderWay { text, share: None, stop: Command::StopTracking })
+    }
+}
+
+/// How far a tracking has come.
+pub(super) fn describe_progress(progress: &ClipProgress) -> String {
+    match progress {
+        ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}…"),
+        ClipProgress::Painting(done, of) => format!("Looking at painted lines: {done} of {of} frames…"),
+        ClipProgress::Adjusting => "Adjusting all frames of the shot together…".to_owned(),
     }
 }
 

@@ -4,6 +4,7 @@
 //! operations and what starts unasked are listed here, so that the rest of the application names none.
 
 pub mod base_estimate;
+mod base_refinement;
 pub mod bulk_solve;
 mod burnt_in;
 pub mod camera_search;
@@ -18,6 +19,7 @@ pub mod shot_search;
 pub mod transfer;
 
 pub use base_estimate::BaseEstimate;
+pub use base_refinement::BaseRefinement;
 pub use bulk_solve::BulkSolving;
 pub use burnt_in::BurntInSearch;
 pub use camera_search::CameraSearch;
@@ -34,6 +36,7 @@ use super::effect::Effect;
 use super::operation::probe::ProbeState;
 use super::{App, Command, Question};
 use base_estimate::BaseEstimateState;
+use base_refinement::BaseRefinementState;
 use bulk_solve::BulkSolveState;
 use burnt_in::BurntInState;
 use camera_search::CameraSearchState;
@@ -54,6 +57,8 @@ use transfer::TransferState;
 pub struct Operations {
     /// The estimation of a camera's base.
     pub base_estimate: BaseEstimateState,
+    /// A base refined on a shot.
+    pub(in crate::app) base_refinement: BaseRefinementState,
     /// A change after which many frames are solved again.
     pub bulk_solve: BulkSolveState,
     /// The search for graphics that are burned into the pictures.
@@ -100,6 +105,7 @@ impl Operations {
         self.bulk_solve
             .under_way()
             .or_else(|| self.camera_search.under_way())
+            .or_else(|| self.base_refinement.under_way())
             .or_else(|| self.clip_tracking.under_way())
             .or_else(|| self.frame_snap.under_way())
     }
@@ -129,7 +135,9 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.why_not_camera_search(command)
             }
-            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength => self.why_not_clip_tracking(command),
+            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength | C::RefineBaseOnShot => {
+                self.why_not_clip_tracking(command)
+            }
             C::CompareAnnotators => self.why_not_compare(),
             C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
@@ -150,7 +158,9 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.camera_search_command(command);
             }
-            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength => self.clip_tracking_command(command),
+            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength | C::RefineBaseOnShot => {
+                self.clip_tracking_command(command);
+            }
             C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
             C::FindShots | C::StopShotSearch => self.shot_search_command(command),

@@ -292,6 +292,7 @@ impl App {
             | C::DiscardCarried
             | C::StopTracking
             | C::TakeLength
+            | C::RefineBaseOnShot
             | C::CompareAnnotators
             | C::Snap
             | C::SearchLines

@@ -51,6 +51,13 @@ pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -
     groups.into_iter().flat_map(|(camera, frames)| in_time(&camera, frames)).collect()
 }
 
+/// The clip that a frame of the document belongs to, by the frame's index.
+#[must_use]
+pub fn clip_of_frame(document: DocumentAt<'_>, index: usize) -> Option<ClipFrames> {
+    let has_frame = |clip: &ClipFrames| clip.frames.iter().any(|frame| frame.place == Some(index));
+    clips(document, None).into_iter().find(has_frame)
+}
+
 /// The frames of one video or folder as clips without large gaps, each with the frames that the document leaves out.
 fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFrames> {
     let number = |source: &FrameRef| if let FrameRef::Video { index, .. } = source { Some(*index) } else { None };

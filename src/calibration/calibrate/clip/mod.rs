@@ -15,7 +15,7 @@ mod track;
 pub use anchors::is_anchor;
 pub use error::TrackClipError;
 pub use evidence::ClipEvidence;
-pub use frames::{ClipFrame, ClipFrames, clips};
+pub use frames::{ClipFrame, ClipFrames, clip_of_frame, clips};
 pub use options::{ClipProgress, TrackClipOptions, WatchClip};
 pub use record::record_tracked;
 pub(crate) use record::record_tracked_frame;

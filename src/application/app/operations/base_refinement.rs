@@ -1,0 +1,241 @@
+//! The base refined on the shot of the shown frame: cameras are tracked through it, the painted lines of all its frames correct the
+//! base, and that is repeated until it moves no more. One clicked frame is enough.
+//!
+//! What it gives is the base alone, one step of undo. The shot is then tracked with it as any shot is, from the points that were
+//! followed already.
+
+use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::operations::clip_tracking::describe_progress;
+use crate::app::session::Level;
+use crate::app::{App, Command};
+use std::path::PathBuf;
+use std::sync::Arc;
+use thiserror::Error;
+use touchline_calibration::calibrate::{BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame};
+use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
+use touchline_core::field::FieldError;
+use touchline_documents::document::{Camera, CameraId, Document, Step};
+
+/// The base of a shot's camera is to be refined.
+pub struct BaseRefinement {
+    document: Document,
+    /// Where its relative paths start.
+    folder: PathBuf,
+    /// The index of a frame of the shot.
+    frame: usize,
+}
+
+/// A base that was refined on a shot.
+pub struct RefinedBase {
+    /// The document with it.
+    found: Document,
+    /// How far the lines lay beside paint held out, before the first round and after the last, px; none where no base was better.
+    off_px: Option<(f64, f64)>,
+    /// What the pictures of the shot say.
+    evidence: ClipEvidence,
+}
+
+/// How far it has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RefinementProgress {
+    /// The shot is tracked.
+    Tracking(ClipProgress),
+    /// The base is adjusted to the painted lines.
+    Adjusting,
+}
+
+/// Why no base was refined.
+#[derive(Debug, Error)]
+pub enum BaseRefinementError {
+    /// The frame shows nothing.
+    #[error("the frame has no picture")]
+    NoPicture,
+    /// The field of its camera is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The shot could not be tracked.
+    #[error("{0}")]
+    Track(String),
+    /// The user stopped it.
+    #[error("stopped; nothing was changed")]
+    Stopped,
+}
+
+/// A base being refined, and what the pictures of its shot say.
+#[derive(Debug, Default)]
+pub(in crate::app) struct BaseRefinementState {
+    slot: Slot<BaseRefinement>,
+    evidence: Option<Arc<ClipEvidence>>,
+}
+
+// ---- The work ----
+
+impl Operation for BaseRefinement {
+    type Progress = RefinementProgress;
+    type Output = RefinedBase;
+    type Error = BaseRefinementError;
+
+    const NAME: &'static str = "refine the base";
+
+    fn run(&self, context: &Context<'_, RefinementProgress>) -> Result<RefinedBase, BaseRefinementError> {
+        let mut reader = context.open_reader();
+        let clip = self.clip().ok_or(BaseRefinementError::NoPicture)?;
+        let mut document = self.document.clone();
+        let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
+        let (mut evidence, mut off_px, mut failure) = (Vec::new(), None, None);
+        let mut watch = |event: TrackingEvent<'_>| match event {
+            TrackingEvent::Progress(progress) => context.report(RefinementProgress::Tracking(progress)),
+            TrackingEvent::Refining(_) => context.report(RefinementProgress::Adjusting),
+            TrackingEvent::Refined(_, seen) => {
+                if let (Some(before), Some(after)) = (seen.before.paint, seen.after.paint) {
+                    let first = off_px.map_or(before.median_px, |(first, _)| first);
+                    off_px = Some((first, after.median_px));
+                }
+                context.check()
+            }
+            TrackingEvent::Failed(_, error) => {
+                failure = Some(error.to_string());
+                context.check()
+            }
+            _ => context.check(),
+        };
+        let (folder, clips) = (&self.folder, [clip]);
+        let tracked = track_clips(&mut document, folder, &clips, &mut *reader, &options, &mut evidence, &mut watch)?;
+        match failure {
+            Some(error) => return Err(BaseRefinementError::Track(error)),
+            None if tracked.is_stopped => return Err(BaseRefinementError::Stopped),
+            None => {}
+        }
+        Ok(RefinedBase { found: document, off_px, evidence: evidence.pop().unwrap_or_default() })
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.base_refinement.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_change()
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<RefinedBase, Failure<BaseRefinementError>>) {
+        match result {
+            Ok(refined) => app.take_refined_base(self, refined),
+            Err(failure) => app.session.notify(failure.level(), format!("The base was not refined: {failure}.")),
+        }
+    }
+}
+
+impl BaseRefinement {
+    /// The clip that the frame belongs to.
+    fn clip(&self) -> Option<ClipFrames> {
+        clip_of_frame(self.document.at(&self.folder), self.frame)
+    }
+
+    /// The camera of the shot.
+    fn camera(&self) -> Option<&CameraId> {
+        self.document.frames.get(self.frame).map(|frame| &frame.camera)
+    }
+}
+
+// ---- In the application ----
+
+impl App {
+    /// Why the base cannot be refined on the shown shot; none if it can.
+    pub(in crate::app) fn why_not_refine_base(&self) -> Option<&'static str> {
+        if self.operations.base_refinement.slot.is_running() {
+            return Some("The base is being refined already.");
+        }
+        let frame = self.frame()?;
+        let open = self.open.as_ref()?;
+        let is_known = |camera: &CameraId| {
+            let mut frames = open.document.frames.iter().filter(|other| other.camera == *camera);
+            frames.any(|other| other.ptz.is_some() || !other.clicks.is_empty())
+        };
+        if !is_known(&frame.camera) {
+            return Some("No frame has points or a camera: click one first.");
+        }
+        self.why_not_follow_points()
+    }
+
+    /// Refines the base on the shown shot.
+    pub(in crate::app) fn refine_base_on_shot(&mut self) {
+        self.commit_open_step();
+        let Some(open) = &self.open else { return };
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.start(BaseRefinement { document, folder, frame: self.session.frame });
+    }
+
+    /// Stops it; whether there was anything to stop.
+    pub(in crate::app) fn stop_refining_base(&mut self) -> bool {
+        let is_stopped = self.operations.base_refinement.slot.cancel();
+        if is_stopped {
+            self.session.notify(Level::Info, "Refining the base was stopped; nothing was changed.");
+        }
+        is_stopped
+    }
+
+    /// Whether a base is being refined.
+    pub(in crate::app) const fn is_refining_base(&self) -> bool {
+        self.operations.base_refinement.slot.is_running()
+    }
+
+    /// Takes a refined base over: one step of undo, and the shot is tracked with it.
+    fn take_refined_base(&mut self, refinement: &BaseRefinement, refined: RefinedBase) {
+        let Some(open) = &self.open else { return };
+        let Some(camera) = refinement.camera() else { return };
+        let base_and_field = |document: &Document| {
+            (document.camera(camera).and_then(Camera::base), document.field_of_camera(camera).clone())
+        };
+        let before = base_and_field(&refinement.document);
+        if base_and_field(&open.document) != before {
+            let text = "The base changed in the meantime; the refined one was discarded.";
+            self.session.notify(Level::Info, text);
+            return;
+        }
+        let RefinedBase { found, off_px, evidence } = refined;
+        let (Some(base), true) = (base_and_field(&found).0, base_and_field(&found) != before) else {
+            self.session.notify(Level::Info, "The base already lies on the painted lines of this shot.");
+            return;
+        };
+        let mut numbers = open.document.clone();
+        numbers.field.clone_from(&found.field);
+        if let (Some(known), Some(of_found)) = (numbers.camera_mut(camera), found.camera(camera)) {
+            known.set_base(&base);
+            known.field.clone_from(&of_found.field);
+        }
+        self.operations.base_refinement.evidence = Some(Arc::new(evidence));
+        let change = BulkChange::Numbers(Box::new(numbers));
+        self.change_in_bulk(Step::on_document("Refine the base on the shot"), change, |app, _| {
+            let evidence = app.operations.base_refinement.evidence.take().unwrap_or_default();
+            app.track_with_refined_base(evidence);
+        });
+        self.session.notify(Level::Info, describe_refined(off_px));
+    }
+}
+
+// ---- Words ----
+
+impl BaseRefinementState {
+    /// The refinement under way, with how far it has come.
+    pub(super) fn under_way(&self) -> Option<UnderWay> {
+        let text = match self.slot.running()?.progress() {
+            None => "Refining the base on this shot…".to_owned(),
+            Some(RefinementProgress::Adjusting) => "Adjusting the base to the painted lines of all frames…".to_owned(),
+            Some(RefinementProgress::Tracking(progress)) => {
+                format!("Refining the base on this shot. {}", describe_progress(progress))
+            }
+        };
+        Some(UnderWay { text, share: None, stop: Command::StopTracking })
+    }
+}
+
+/// How much nearer to the paint its lines lie.
+fn describe_refined(off_px: Option<(f64, f64)>) -> String {
+    match off_px {
+        Some((before, after)) => format!(
+            "The base was refined: its lines lie {after:.2} px beside paint that it has not seen, {before:.2} px before."
+        ),
+        None => "The base was estimated from the points.".to_owned(),
+    }
+}
