@@ -1,6 +1,7 @@
 //! Cameras carried through drawn clips with exact cameras: by `touchline track` and in the application.
 #![cfg(feature = "opencv")]
 
+use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, shown, write};
 use crate::headless::Headless;
 use crate::program::touchline;
 use std::fs;
@@ -8,46 +9,9 @@ use std::path::Path;
 use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline::camera::Ptz;
-use touchline::document::{
-    Camera, Click, Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
-    document_to_string,
-};
-use touchline::field::{Landmark, LandmarkId};
+use touchline::document::{Camera, Click, Clip, Document, Frame, FramePtz, FrameStatus, SolutionSource, Target};
+use touchline::field::LandmarkId;
 use touchline::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
-
-fn document(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
-
-fn write(path: &Path, document: &Document) {
-    fs::write(path, document_to_string(document).unwrap()).unwrap();
-}
-
-/// A drawn clip at 25 frames a second with graphics that no mask covers; its first and last frame are known.
-fn drawn_clip(folder: &Path) -> Document {
-    let drawn = touchline(
-        folder,
-        "synth -o match --frames 30 --step 0.04 --seed 4 --size 640x360 --preset easy --graphics score-bug --unmasked",
-    );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    let truth = document(&folder.join("match/truth.json"));
-    let mut asked = truth.clone();
-    let last = asked.frames.len() - 1;
-    for (index, frame) in asked.frames.iter_mut().enumerate() {
-        let frame: &mut Frame = frame;
-        frame.clicks.clear();
-        frame.solution = None;
-        if index == 0 || index == last {
-            frame.status = FrameStatus::Reference;
-            let covariance = Some(Mat3::from_diagonal(&Vec3::new(1e-4, 1e-4, 0.25)));
-            frame.solution = Some(Solution { covariance, ..Solution::default() });
-        } else {
-            (frame.status, frame.ptz) = (FrameStatus::New, None);
-        }
-    }
-    write(&folder.join("match/ask.json"), &asked);
-    truth
-}
 
 /// How far a frame's overlay is off at the corners of the picture and in its middle, px: the greatest.
 fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
@@ -175,17 +139,9 @@ fn with_one_clicked_frame(folder: &Path, truth: &Document) -> Document {
 }
 
 /// How far the landmarks that all frames of a clip show are off, px: the greatest.
-fn worst_landmark_px(found: &Document, truth: &Document) -> f64 {
-    let off_px = |frame: usize| {
-        let camera = found.pointed(&found.frames[frame]).unwrap();
-        let field = found.at(Path::new("")).model_of(&found.field).unwrap();
-        let shown = shown(truth, frame).into_iter();
-        shown.map(move |(landmark, at)| {
-            let landmark = field.landmark(landmark.as_str()).unwrap();
-            camera.image_from_world(field.landmark_in_world(landmark)).unwrap().distance_px(at)
-        })
-    };
-    (0..truth.frames.len()).flat_map(off_px).fold(0.0, f64::max)
+fn worst_of_all_px(found: &Document, truth: &Document) -> f64 {
+    let of_frame = |frame| landmark_errors_px(found, truth, frame).unwrap();
+    (0..truth.frames.len()).flat_map(of_frame).fold(0.0, f64::max)
 }
 
 #[test]
@@ -202,7 +158,7 @@ fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(ran.stderr.contains("main: the base is refined on"), "{}", ran.stderr);
     let refined = document(&folder.join("refined.json"));
-    let worst = worst_landmark_px(&refined, &truth);
+    let worst = worst_of_all_px(&refined, &truth);
     assert!(worst < 3.0, "{worst} px");
     let confidence = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence);
     assert!(refined.frames.iter().skip(1).all(|frame| confidence(frame).unwrap() > 0.9));
@@ -223,7 +179,7 @@ fn in_the_application_the_base_is_refined_on_a_shot_that_is_carried_with_it() {
 
     headless.act(Action::Command(Command::RefineBaseOnShot));
     headless.wait_until("the cameras", |app| tracked(app) == 29);
-    let worst = worst_landmark_px(&headless.app.open().unwrap().document, &truth);
+    let worst = worst_of_all_px(&headless.app.open().unwrap().document, &truth);
     assert!(worst < 3.0, "{worst} px");
     let has_base = |app: &App| app.open().unwrap().document.cameras[0].base().is_some();
     headless.act(Action::Command(Command::Undo));
@@ -294,18 +250,6 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     assert!(headless.app.why_not(Command::DiscardCarried).is_some());
     let decided = |app: &App| app.open().unwrap().document.frames.iter().filter(|frame| !frame.is_open()).count();
     assert_eq!(decided(&headless.app), 2, "the known frames stay");
-}
-
-/// Where a frame shows the landmarks of the field.
-fn shown(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
-    let field = touchline::field::builtin("soccer").unwrap().default_model().unwrap();
-    let camera = truth.pointed(&truth.frames[frame]).unwrap();
-    let seen = |landmark: &Landmark| {
-        let at = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
-        let inside = (20.0..620.0).contains(&at.x) && (20.0..340.0).contains(&at.y);
-        inside.then(|| (landmark.id.clone(), at))
-    };
-    field.landmarks.iter().filter_map(seen).collect()
 }
 
 /// The two landmarks of a frame that are farthest apart.
