@@ -12,7 +12,7 @@ use std::sync::Arc;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel, LandmarkId, Symmetry};
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize};
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize, median};
 use touchline_core::solve::base::{
     AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CameraClicks, CrownModel, FittedSize, FrameClicks,
     LensModel, MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
@@ -215,7 +215,7 @@ impl BaseProblem {
         let fit = |(id, mut errors): (&LandmarkId, Vec<(f64, usize, usize)>)| {
             errors.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (worst_px, frame, click) = *errors.last()?;
-            let median_px = errors[errors.len() / 2].0;
+            let median_px = median(&mut errors.iter().map(|error| error.0).collect::<Vec<_>>())?;
             Some(LandmarkFit { id: id.clone(), median_px, clicks: errors.len(), worst: (frame, click), worst_px })
         };
         let mut fits: Vec<LandmarkFit> = errors.into_iter().filter_map(fit).collect();

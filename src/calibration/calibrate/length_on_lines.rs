@@ -12,7 +12,7 @@ use super::unseen_length::{LENGTH, UnseenLength};
 use rayon::prelude::*;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldError;
-use touchline_core::geometry::Vec3;
+use touchline_core::geometry::{Vec3, mean};
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame};
 use touchline_vision::paint::{GroundPicture, check_lines};
@@ -116,7 +116,7 @@ fn length_by_camera(
     let agreeing = looks(at, &agreeing, picture);
     let assumed_m = unseen.assumed_m();
     let (min_m, max_m) = unseen.limits_m();
-    let worth = |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m));
+    let worth = |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m)).unwrap_or(0.0);
     let rated: Vec<(f64, f64)> =
         steps(min_m, max_m, COARSE_M).into_iter().map(|length_m| (worth(&doubted, length_m), length_m)).collect();
     let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(None) };
@@ -127,9 +127,10 @@ fn length_by_camera(
     }
     let lengths = steps((best_m - PEAK_M).max(min_m), (best_m + PEAK_M).min(max_m), FINE_M);
     let table: Vec<Vec<f64>> = lengths.iter().map(|length_m| worths(&unseen, &doubted, *length_m)).collect();
-    let value_m = lengths[index_of_largest(table.iter().map(|of_length| mean(of_length)))];
+    let value_m = lengths[index_of_largest(table.iter().map(|of_length| mean(of_length).unwrap_or(0.0)))];
     let peaks: Vec<f64> = (0..doubted.len()).filter_map(|look| peak_of(&lengths, &table, look)).collect();
-    let spread_m = mean(&peaks.iter().map(|peak_m| (peak_m - value_m).powi(2)).collect::<Vec<_>>()).sqrt();
+    let spread_m =
+        mean(&peaks.iter().map(|peak_m| (peak_m - value_m).powi(2)).collect::<Vec<_>>()).unwrap_or(0.0).sqrt();
     let sigma_m = spread_m.max(FLOOR_M);
     let name = LENGTH.to_owned();
     let size = FittedSize { name, assumed_m, value_m, sigma_m, position_sigma_m: Vec3::zeros(), is_open: false };
@@ -189,10 +190,6 @@ fn peak_of(lengths: &[f64], table: &[Vec<f64>], look: usize) -> Option<f64> {
     let worths = || table.iter().map(|of_length| of_length[look]);
     let (least, most) = worths().fold((f64::INFINITY, 0.0), |(least, most), worth| (worth.min(least), worth.max(most)));
     (most - least >= TELLING).then(|| lengths[index_of_largest(worths())])
-}
-
-fn mean(values: &[f64]) -> f64 {
-    if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
 }
 
 /// Evenly spaced values, both ends among them.

@@ -13,6 +13,7 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_core::field::FieldError;
+use touchline_core::geometry::mean;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{Camera, CameraId, Document, FieldSize, Fields, Frame};
 use touchline_vision::media::ReadFrames;
@@ -268,5 +269,5 @@ impl Tracking<'_> {
 fn mean_confidence(document: &Document) -> f64 {
     let tracked = document.frames.iter().filter(|frame| frame.is_carried());
     let confidences: Vec<f64> = tracked.filter_map(|frame| frame.solution.as_ref()?.confidence).collect();
-    confidences.iter().sum::<f64>() / confidences.len().max(1) as f64
+    mean(&confidences).unwrap_or(0.0)
 }

@@ -5,11 +5,11 @@
 
 mod angle;
 mod angle_range;
+mod averages;
 mod directions;
 mod ellipse;
 mod homography;
 mod image;
-mod median;
 pub mod rotation;
 mod rows;
 mod segment;
@@ -17,12 +17,12 @@ mod text;
 
 pub use angle::Angle;
 pub use angle_range::AngleRange;
+pub use averages::{mean, median, median_high, quantile};
 pub use directions::Directions;
 pub use ellipse::covariance_ellipse;
 pub(crate) use homography::HomographyError;
 pub use homography::homography;
 pub use image::{ImagePoint, ImageSize, PixelBox};
-pub use median::{median, median_high};
 pub use rows::rows;
 pub use segment::distance_from_segment;
 pub use text::{counted, hex, is_formula, text_cell, thousands};

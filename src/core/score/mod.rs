@@ -28,6 +28,7 @@ pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use click_scatter::ClickScatter;
 pub use coverage::{SigmaCoverage, squared_sigmas};
 
+pub use crate::geometry::quantile;
 pub(crate) use distribution::chi_squared_quantile;
 pub use distribution::{median_normal_size, median_rayleigh, rayleigh_share};
 pub use ground::seen_field;
@@ -35,5 +36,5 @@ pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines};
 pub use overlap::{iou_part, iou_whole};
 pub use plane::PlaneView;
-pub use statistics::{Summary, quantile};
+pub use statistics::Summary;
 pub use view::FieldView;

@@ -1,6 +1,6 @@
 //! Summary statistics.
 
-use crate::geometry::median;
+use crate::geometry::{mean, median, quantile};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -54,7 +54,7 @@ impl Summary {
         let mut sorted: Vec<f64> =
             values.iter().map(|value| if value.is_finite() { *value } else { f64::INFINITY }).collect();
         sorted.sort_by(f64::total_cmp);
-        let mean = mean(&sorted);
+        let mean = mean(&sorted)?;
         let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
         let [mean_interval, median_interval] = bootstrap(&sorted, seed);
         Some(Self {
@@ -75,21 +75,6 @@ impl Summary {
     }
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// A quantile of ascending numbers, interpolated between the two nearest (type 7 of Hyndman and Fan 1996, the usual one);
-/// NaN without any.
-#[must_use]
-pub fn quantile(ascending: &[f64], share: f64) -> f64 {
-    let Some(last) = ascending.len().checked_sub(1) else { return f64::NAN };
-    let at = share.clamp(0.0, 1.0) * last as f64;
-    let (below, above) = (ascending[at.floor() as usize], ascending[at.ceil() as usize]);
-    // Equal neighbours need no step between them: two infinities have none.
-    if below == above { below } else { below + (above - below) * at.fract() }
-}
-
 /// The intervals of mean and median over resamples.
 fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -97,7 +82,7 @@ fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     let (mut means, mut medians) = (Vec::with_capacity(RESAMPLES), Vec::with_capacity(RESAMPLES));
     for _ in 0..RESAMPLES {
         drawn.fill_with(|| ascending[rng.random_range(0..ascending.len())]);
-        means.push(mean(&drawn));
+        means.extend(mean(&drawn));
         medians.extend(median(&mut drawn));
     }
     [means, medians].map(|mut found| {

@@ -6,7 +6,7 @@ use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldElement, FieldModel};
-use touchline_core::geometry::{ImageSize, Vec3, median};
+use touchline_core::geometry::{ImageSize, Vec3, mean, median};
 use touchline_core::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
     landmark_errors, squared_sigmas,
@@ -166,8 +166,4 @@ fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
         }
     }
     annotated
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median_high};
+use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median, quantile};
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -164,7 +164,7 @@ pub fn estimate_base_watched(
     let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
-        (*base, median_high(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
+        (*base, median(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
     });
     let (mut base, mut ptz) = match start_base(clicks) {
         Ok(start) => (start.base, start.ptz),
@@ -289,7 +289,8 @@ fn summary(
     let base = adjusted.base;
     let mut errors = distances(&base, frames, ptz);
     errors.sort_by(f64::total_cmp);
-    let median_px = errors.get(errors.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let at = |share| if errors.is_empty() { f64::INFINITY } else { quantile(&errors, share) };
+    let median_px = at(0.5);
     let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
     if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
         return Err(BaseError::NoFit { median_px });
@@ -317,7 +318,7 @@ fn summary(
         position_covariance: adjusted.position_covariance,
         frames: frame_fits,
         median_px,
-        p90_px: errors.get(errors.len() * 9 / 10).copied().unwrap_or(median_px),
+        p90_px: at(0.9),
         previous_median_px: None,
         one_more_frame: None,
         disputed,
@@ -358,7 +359,7 @@ fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFi
     let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let rms_px = (squares / errors.len() as f64).sqrt();
-    Some(FrameFit { ptz, median_px: median_high(&mut errors)?, rms_px })
+    Some(FrameFit { ptz, median_px: median(&mut errors)?, rms_px })
 }
 
 /// The distances of all clicks of solved frames, px, in order.

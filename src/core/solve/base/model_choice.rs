@@ -5,6 +5,7 @@ use super::progress::Adjustments;
 use super::{AdjustOptions, AdjustedBase, BaseModel, CameraClicks, FrameClicks, LensModel};
 use crate::camera::{CameraBase, Ptz, PtzCamera, SharedCovariance, SharedError};
 use crate::field::FieldModel;
+use crate::geometry::quantile;
 use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -211,9 +212,8 @@ impl HeldOutErrors {
     /// Of errors in any order, px; none of none.
     fn of(mut errors: Vec<f64>) -> Option<Self> {
         errors.sort_by(f64::total_cmp);
-        let last = errors.len().checked_sub(1)?;
-        let quantile = |share: f64| errors[(share * last as f64).round() as usize];
-        Some(Self { median_px: quantile(0.5), p90_px: quantile(0.9), count: errors.len() })
+        let at = |share| quantile(&errors, share);
+        (!errors.is_empty()).then(|| Self { median_px: at(0.5), p90_px: at(0.9), count: errors.len() })
     }
 }
 
