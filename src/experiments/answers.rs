@@ -3,7 +3,8 @@
 use super::paper::{FAILURE_IOU, ROTATION};
 use super::sets::FrameSet;
 use touchline_core::camera::PtzCamera;
-use touchline_core::score::{CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole, quantile};
+use touchline_core::geometry::quantile;
+use touchline_core::score::{CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole};
 use touchline_documents::report::{Cell, Table};
 
 /// What became of one frame.

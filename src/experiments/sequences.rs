@@ -9,7 +9,7 @@ use super::progress::Progress;
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs};
 use touchline_core::geometry::AngleRange;
-use touchline_core::score::quantile;
+use touchline_core::geometry::quantile;
 use touchline_documents::report::figure::{Axis, Figure, Series};
 use touchline_documents::report::{Cell, Report, SheetFrame, Table, Verdict, contact_sheet};
 use touchline_vision::media::FrameReader;

@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, SharedInputs, lost_iou};
-use touchline_core::score::quantile;
+use touchline_core::geometry::quantile;
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Column, Report, Table, Verdict};
 use touchline_vision::relocalize::TrainOptions;

@@ -11,8 +11,9 @@
 //! 3. The interval is that of a χ² variable with n / (2 V) degrees of freedom, where V is the larger of the variance for
 //!    normal noise and the variance that the pairs show, both coordinates of a pair together.
 
-use super::{chi_squared_quantile, median_normal_size, quantile};
+use super::{chi_squared_quantile, median_normal_size};
 use crate::geometry::Vec2;
+use crate::geometry::quantile;
 use serde::Serialize;
 
 /// No estimate from fewer pairs: the interval would span a factor of three or more.

@@ -28,7 +28,6 @@ pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use click_scatter::ClickScatter;
 pub use coverage::{SigmaCoverage, squared_sigmas};
 
-pub use crate::geometry::quantile;
 pub(crate) use distribution::chi_squared_quantile;
 pub use distribution::{median_normal_size, median_rayleigh, rayleigh_share};
 pub use ground::seen_field;

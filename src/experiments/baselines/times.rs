@@ -6,7 +6,7 @@ use crate::forests::{ForestKind, trained_on};
 use crate::sets::{FrameSet, KnownFrame};
 use std::hint::black_box;
 use std::time::Instant;
-use touchline_core::score::quantile;
+use touchline_core::geometry::quantile;
 use touchline_documents::report::figure::{Axis, Figure, Series};
 use touchline_documents::report::{Cell, Column, Report, Table};
 use touchline_vision::relocalize::{PoseOptions, SeenRange, relocalize};

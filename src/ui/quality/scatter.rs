@@ -3,7 +3,7 @@
 use crate::ui::theme::Themed as _;
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 use touchline_core::geometry::Vec2;
-use touchline_core::score;
+use touchline_core::geometry::quantile;
 
 /// The side of the plot, points.
 const SIDE: f32 = 190.0;
@@ -66,7 +66,7 @@ impl Scatter<'_> {
     fn reach_px(&self) -> f64 {
         let mut sizes: Vec<f64> = self.offsets.iter().map(Vec2::norm).collect();
         sizes.sort_by(f64::total_cmp);
-        let most = if sizes.is_empty() { 1.0 } else { score::quantile(&sizes, 0.9) };
+        let most = if sizes.is_empty() { 1.0 } else { quantile(&sizes, 0.9) };
         (1.4 * most).max(2.4 * self.sigma_px.unwrap_or(0.0)).max(0.5)
     }
 }

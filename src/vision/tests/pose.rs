@@ -4,9 +4,9 @@ use crate::seeded::{normal, rng};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::quantile;
 use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_core::score::quantile;
 use touchline_vision::relocalize::{NotFound, Pose, PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use touchline_calibration::calibrate::observations;
 use touchline_core::field::FieldModel;
-use touchline_core::score::{median_normal_size, median_rayleigh, quantile, rayleigh_share};
+use touchline_core::geometry::quantile;
+use touchline_core::score::{median_normal_size, median_rayleigh, rayleigh_share};
 use touchline_core::solve::Observation;
 use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameStatus, Shared, Target};
 

@@ -13,7 +13,8 @@ use frame::{Seen, frame_agreement};
 use std::collections::BTreeMap;
 use touchline_core::field::{FieldError, LandmarkId};
 use touchline_core::geometry::Vec2;
-use touchline_core::score::{ClickScatter, Summary, quantile};
+use touchline_core::geometry::quantile;
+use touchline_core::score::{ClickScatter, Summary};
 use touchline_documents::document::{DocumentAt, Fields, Frame, FrameStatus};
 
 /// How two annotators agree.

@@ -10,7 +10,7 @@ use crate::exchange::error::ExchangeError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use touchline_core::field::{FieldModel, Landmark};
-use touchline_core::score::quantile;
+use touchline_core::geometry::quantile;
 
 /// What the card is about.
 pub struct Card<'a> {
