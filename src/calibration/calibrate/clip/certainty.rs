@@ -1,5 +1,6 @@
 //! How certain the camera of a carried frame is.
 
+use super::evidence::apart_px;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 use touchline_core::solve::Uncertainty;
@@ -43,7 +44,29 @@ pub(super) enum PaintVerdict {
     Contradicts,
 }
 
-/// How probable it is that a tracked camera's overlay is right: its error has a Rayleigh distribution.
+/// Frames of a clip whose lines lie on their paint: they show that the base is right where they look, however far its σ reaches. The
+/// base of one clicked frame with five points may be off by meters, and yet agree with that frame.
+pub(super) struct BaseWitnesses {
+    cameras: Vec<Ptz>,
+    size: ImageSize,
+}
+
+impl BaseWitnesses {
+    /// Of frames with their cameras, and what paint says about each.
+    pub fn new<'a>(frames: impl Iterator<Item = (Option<Ptz>, &'a PaintVerdict)>, size: ImageSize) -> Self {
+        let agreeing = frames.filter(|(_, verdict)| **verdict == PaintVerdict::Agrees);
+        Self { cameras: agreeing.filter_map(|(ptz, _)| ptz).collect(), size }
+    }
+
+    /// Whether one of them shows at least half of what a camera shows: what the base leaves open is then nearly the same for both.
+    pub fn show(&self, ptz: Ptz) -> bool {
+        let half = 0.5 * f64::from(self.size.width);
+        self.cameras.iter().any(|other| apart_px(*other, ptz, self.size) <= half)
+    }
+}
+
+/// How probable it is that a tracked camera's overlay is right: its error has a Rayleigh distribution. `uncertainty` is without the base
+/// where the base is shown to be right.
 pub(super) fn confidence(
     camera: &PtzCamera,
     uncertainty: &Uncertainty,
@@ -52,8 +75,6 @@ pub(super) fn confidence(
     paint: PaintVerdict,
 ) -> f64 {
     let px = size.scale_from_1920();
-    // What the base leaves open is the same for all frames, and the known ones show it.
-    let uncertainty = uncertainty.with_exact_base();
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
     let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
     let right = right_within(RIGHT_PX * px, sigma_px);

@@ -1,7 +1,7 @@
 //! Cameras of a clip's frames from those that are known: points followed, carried, adjusted, held to the paint, smoothed.
 
 use super::anchors::anchors;
-use super::certainty::{DIFFER_PX, PaintVerdict, certainty_under_length, confidence, with_common};
+use super::certainty::{BaseWitnesses, DIFFER_PX, PaintVerdict, certainty_under_length, confidence, with_common};
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip, Judged};
@@ -169,6 +169,7 @@ pub fn track_clip(
         jitter: Jitter::of(&smoothed),
         raw_jitter: Jitter::of(&raw).filter(|_| options.smooth),
     };
+    let witnesses = BaseWitnesses::new(raw.iter().copied().zip(&paint), size);
     let certain = known.iter().map(|(_, confidence)| *confidence).fold(0.0, f64::max);
     for (frame, of_clip) in clip.frames.iter().enumerate() {
         let Some((place, document_frame)) = of_clip.place.and_then(|place| Some((place, frame_at(place)?))) else {
@@ -203,7 +204,9 @@ pub fn track_clip(
             PaintVerdict::Contradicts => 1.0,
             PaintVerdict::Agrees | PaintVerdict::Silent => certainty_under_length(by_length_px, size),
         };
-        let confidence = certain * confidence(&camera, &uncertainty, size, apart_px, paint[frame]) * of_length;
+        let is_base_shown = witnesses.show(camera.ptz());
+        let of_camera = if is_base_shown { uncertainty.with_exact_base() } else { uncertainty };
+        let confidence = certain * confidence(&camera, &of_camera, size, apart_px, paint[frame]) * of_length;
         if kept.contains(&frame) {
             tracked.kept += 1;
             continue;
