@@ -10,7 +10,7 @@ TEST_PACKAGES  = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema bench reliability fuzz demo film pictures experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check schema bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -44,6 +44,9 @@ schema: build-packages ## make the JSON Schema of documents from their types aga
 
 bench: build-packages ## run the benchmarks (tests/benches/README.md has past figures)
 	cargo bench --workspace --benches
+
+no-click: build-packages ## the camera without a click: all drawn matches and inputs that must fail, not below their stated rates
+	cargo bench --bench no_click -- drawn refused --gate
 
 reliability: run-packages ## kills, failing and full disks, damaged files (tests/reliability/README.md)
 	@.ci/reliability

@@ -36,15 +36,23 @@ impl Tally {
         self.two += other.two;
         self.abstained += other.abstained;
     }
+
+    /// How many inputs were asked.
+    pub fn tried(&self) -> usize {
+        self.right + self.wrong + self.two + self.abstained
+    }
 }
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let tries = self.right + self.wrong + self.two + self.abstained;
         write!(
             f,
-            "{tries} tried: {} right, {} wrong shown as good, {} with two answers, {} abstained",
-            self.right, self.wrong, self.two, self.abstained
+            "{} tried: {} right, {} wrong shown as good, {} with two answers, {} abstained",
+            self.tried(),
+            self.right,
+            self.wrong,
+            self.two,
+            self.abstained
         )
     }
 }

@@ -2,65 +2,86 @@
 //! undecided or silent. Printed as Markdown.
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
-//! `cargo bench --bench no_click [-- drawn refused spread real clips] [--matches N] [--from K] [--frames N] [--keep DIR]`; the real frames are those of
+//! `cargo bench --bench no_click [-- drawn refused spread real clips] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`; the real frames are those of
 //! `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from two clicks each. With `--keep` drawn pictures stay in a folder and are used again.
+//! With `--gate` it fails where a section is below its rate, which is stated beside its inputs.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
 mod answers;
 mod drawing;
+mod gate;
 mod matches;
 mod real;
 mod refused;
 mod spread;
 
 use answers::Tally;
+use gate::{Gate, Rate};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-/// Drawn matches where no other number is asked for.
-const MATCHES: usize = 30;
-
-fn main() {
+fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let is_set = |flag: &str| arguments.iter().any(|argument| argument == flag);
     let value = |flag: &str| {
         let at = arguments.iter().position(|argument| argument == flag)?;
         arguments.get(at + 1).cloned()
     };
     let number = |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
     let sections = ["drawn", "refused", "spread", "real", "clips"];
-    let none_asked = !arguments.iter().any(|argument| sections.contains(&argument.as_str()));
-    let wants = |name: &str| none_asked || arguments.iter().any(|argument| argument == name);
+    let none_asked = !sections.into_iter().any(is_set);
+    let wants = |name: &str| none_asked || is_set(name);
     let kept = value("--keep").map(PathBuf::from);
     let scratch = tempfile::tempdir().unwrap();
     let pictures = kept.as_deref().unwrap_or(scratch.path());
-    let (from, count) = (number("--from", 0), number("--matches", MATCHES));
+    let (from, count) = (number("--from", 0), number("--matches", matches::RATE.tried));
 
     let mut all = Tally::default();
+    let mut gate = Gate::default();
+    let mut answered = |section: &str, tally: &Tally, rate: &Rate| {
+        all.add(tally);
+        gate.compare(section, tally, rate);
+    };
     if wants("drawn") {
-        all.add(&matches::drawn(
-            pictures,
-            from..from + count,
-            number("--frames", matches::FRAMES),
-            arguments.iter().any(|argument| argument == "--two-clicks"),
-        ));
+        let frames = number("--frames", matches::FRAMES);
+        let drawn = matches::drawn(pictures, from..from + count, frames, is_set("--two-clicks"));
+        if !is_set("--two-clicks") {
+            answered("drawn", &drawn.without_clicks, &matches::RATE);
+        }
+        if drawn.two_clicks.tried() > 0 {
+            answered("drawn, with two clicks", &drawn.two_clicks, &matches::TWO_CLICKS_RATE);
+        }
     }
     if wants("refused") {
         let count = number("--matches", refused::INPUTS.len()).min(refused::INPUTS.len().saturating_sub(from));
-        all.add(&refused::refused(pictures, from..from + count));
+        answered("refused", &refused::refused(pictures, from..from + count), &refused::RATE);
     }
     if wants("spread") {
-        all.add(&spread::spread(pictures));
+        answered("spread", &spread::spread(pictures), &spread::RATE);
     }
     match std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) {
-        None => println!("\nreal frames are skipped: TOUCHLINE_DATA names no folder of them"),
+        None => {
+            println!("\nreal frames are skipped: TOUCHLINE_DATA names no folder of them");
+            // Who names them wants to know how they are answered.
+            for section in ["real", "clips"].into_iter().filter(|name| is_set(name)) {
+                answered(section, &Tally::default(), &real::MATCHES_RATE);
+            }
+        }
         Some(data) => {
             if wants("real") {
-                all.add(&real::matches(&data));
-                all.add(&real::others(&data));
+                answered("real", &real::matches(&data), &real::MATCHES_RATE);
+                answered("real, others", &real::others(&data), &real::OTHERS_RATE);
             }
             if wants("clips") {
-                all.add(&real::clips(&data));
+                answered("clips", &real::clips(&data), &real::CLIPS_RATE);
             }
         }
     }
     println!("\nIn all: {all}");
+    if !is_set("--gate") {
+        return ExitCode::SUCCESS;
+    }
+    let (lines, failed) = gate.verdict();
+    println!("\n{lines}");
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }

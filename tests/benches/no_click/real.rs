@@ -2,6 +2,7 @@
 
 use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{CAMERA, document};
+use super::gate::Rate;
 use std::path::Path;
 use touchline::calibrate::{
     Abstention, BaseProblem, UnclickedAnswer, UnclickedCamera, observations, record_found, solve_document,
@@ -13,6 +14,15 @@ use touchline::store::read;
 
 /// The matches.
 const MATCHES: [&str; 3] = ["d82e7a", "08fd33", "42ba34"];
+
+/// Whole matches have frames enough: one that is not found is a loss.
+pub const MATCHES_RATE: Rate = Rate { tried: MATCHES.len(), right: MATCHES.len(), wrong: 0 };
+
+/// Videos and mixed frames: nobody has measured the former, and the latter may be refused.
+pub const OTHERS_RATE: Rate = Rate::never_wrong(5);
+
+/// Two clips show too little for an answer: one has two frames, the other no end of the pitch. Those that are right stay right.
+pub const CLIPS_RATE: Rate = Rate { tried: 18, right: 16, wrong: 0 };
 
 /// A frame whose clicks have near and far mixed up throughout: nothing can be measured against it.
 const MIRRORED: &str = "42ba34_9_2";

@@ -2,6 +2,7 @@
 
 use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{SIZE, Shot, draw, shots};
+use super::gate::Rate;
 use super::matches::{DrawnMatch, base, shoot};
 use std::path::Path;
 use touchline::camera::PtzCamera;
@@ -12,6 +13,9 @@ use touchline::synthetic::{StadiumOptions, stadium};
 
 /// One match of each of two presets.
 const MATCHES: [usize; 2] = [4, 5];
+
+/// Few frames and long lenses may leave too little to see for an answer; none may be wrong.
+pub const RATE: Rate = Rate::never_wrong(MATCHES.len() * VARIED.len());
 
 /// Frames unless their number is what differs.
 const FRAMES: usize = 20;
