@@ -1,4 +1,5 @@
 //! A drawn clip with exact cameras, and how far found ones are off.
+#![cfg(feature = "opencv")]
 
 use crate::program::touchline;
 use std::fs;
