@@ -18,7 +18,7 @@ pub enum ViewAction {
     SelectNoFrames,
     /// The filmstrip shows other frames.
     SetFilter(Filter),
-    /// The pointer is over the review panel's list, or has left it: see [`super::review`].
+    /// The pointer is over the review panel's list, or has left it: see [`crate::app::review`].
     HoldReview(bool),
     /// The order of the review panel's list.
     SetReviewOrder(ReviewOrder),
