@@ -169,29 +169,29 @@ fn with_known_lenses(frames: &[Drawn], field: &FieldModel) -> Errors {
     Errors { model: String::new(), px: ground_errors(&cameras, field.crown_m, frames, field) }
 }
 
-/// By every landmark in view, clicked.
-fn by_clicks(frames: &[Drawn], field: &FieldModel) -> Errors {
-    let clicks: Vec<FrameClicks> =
-        frames.iter().map(|drawn| FrameClicks { observations: drawn.clicks.clone(), start: None }).collect();
-    let found = estimate_base(&CameraClicks::centred(field, &clicks, SIZE), None, &BaseOptions::default()).unwrap();
-    let px = ground_errors(&cameras_of(&found), found.crown_m, frames, field);
-    Errors { model: found.model.to_string(), px }
+fn clicks_of(observations: Vec<Observation>) -> FrameClicks {
+    FrameClicks { observations, start: None }
 }
 
-/// By the paint alone, from cameras that the clicks gave.
-fn by_paint(frames: &[Drawn], field: &FieldModel) -> Errors {
-    let clicks: Vec<FrameClicks> =
-        frames.iter().map(|drawn| FrameClicks { observations: drawn.clicks.clone(), start: None }).collect();
-    let start = estimate_base(&CameraClicks::centred(field, &clicks, SIZE), None, &BaseOptions::default()).unwrap();
+/// The base by every landmark in view, clicked.
+fn by_clicks(frames: &[Drawn], field: &FieldModel) -> BaseEstimate {
+    let clicks: Vec<FrameClicks> = frames.iter().map(|drawn| clicks_of(drawn.clicks.clone())).collect();
+    estimate_base(&CameraClicks::centred(field, &clicks, SIZE), None, &BaseOptions::default()).unwrap()
+}
+
+/// The base by the paint alone, from cameras that the clicks gave.
+fn by_paint(frames: &[Drawn], start: &BaseEstimate, field: &FieldModel) -> BaseEstimate {
     let ptz: Vec<Option<Ptz>> = start.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
     let nothing = vec![FrameClicks::default(); frames.len()];
-    let painted: Vec<FrameClicks> =
-        frames.iter().map(|drawn| FrameClicks { observations: drawn.paint.clone(), start: None }).collect();
+    let painted: Vec<FrameClicks> = frames.iter().map(|drawn| clicks_of(drawn.paint.clone())).collect();
     let unclicked = CameraClicks::centred(field, &nothing, SIZE);
     let go_on = |_| ControlFlow::Continue(());
-    let found =
-        estimate_base_on_paint(&unclicked, &painted, (&start.base, &ptz), &BaseOptions::default(), &go_on).unwrap();
-    let px = ground_errors(&cameras_of(&found), found.crown_m, frames, field);
+    estimate_base_on_paint(&unclicked, &painted, (&start.base, &ptz), &BaseOptions::default(), &go_on).unwrap()
+}
+
+/// How far the ground is off with a base and the cameras of its frames.
+fn errors_of(found: &BaseEstimate, frames: &[Drawn], field: &FieldModel) -> Errors {
+    let px = ground_errors(&cameras_of(found), found.crown_m, frames, field);
     Errors { model: found.model.to_string(), px }
 }
 
@@ -207,10 +207,10 @@ fn main() {
         .enumerate()
         .map(|(seed, shot)| {
             let frames = Draw { rng: Pcg64Mcg::seed_from_u64(seed as u64) }.frames(shot, &field);
-            (
-                shot.name.clone(),
-                [by_clicks(&frames, &field), by_paint(&frames, &field), with_known_lenses(&frames, &field)],
-            )
+            let clicked = by_clicks(&frames, &field);
+            let painted = by_paint(&frames, &clicked, &field);
+            let [clicks, paint] = [&clicked, &painted].map(|found| errors_of(found, &frames, &field));
+            (shot.name.clone(), [clicks, paint, with_known_lenses(&frames, &field)])
         })
         .collect();
     println!("| shot | clicks: median, 95 % px | lenses known | model | paint: median, 95 % px | model |");
