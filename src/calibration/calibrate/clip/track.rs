@@ -204,7 +204,7 @@ pub fn track_clip(
             PaintVerdict::Contradicts => 1.0,
             PaintVerdict::Agrees | PaintVerdict::Silent => certainty_under_length(by_length_px, size),
         };
-        let is_base_shown = witnesses.show(camera.ptz());
+        let is_base_shown = paint[frame] == PaintVerdict::Agrees || witnesses.show(camera.ptz());
         let of_camera = if is_base_shown { uncertainty.with_exact_base() } else { uncertainty };
         let confidence = certain * confidence(&camera, &of_camera, size, apart_px, paint[frame]) * of_length;
         if kept.contains(&frame) {
