@@ -12,11 +12,11 @@ use touchline_calibration::calibrate::{
     BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, describe_mirrored,
     describe_size, estimate_on_paint, follow_all_bases, solve_document,
 };
-use touchline_calibration::pipelines::TrackingOptions;
+use touchline_calibration::pipelines::{TrackingOptions, give_first_base};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::counted;
 use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
-use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, Frame};
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 use touchline_vision::media::{FrameReader, Picture};
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
@@ -189,10 +189,8 @@ fn carry_few(
         if known == 0 || known >= FRAMES_FOR_PAINT || !is_clip {
             continue;
         }
-        if document.camera(camera).and_then(Camera::base).is_none() {
-            let Ok(by_clicks) = estimate(document.at(folder), camera, options, false) else { continue };
-            by_clicks.write_camera(document);
-            solve_document(document, folder, &|| {})?;
+        if give_first_base(document, folder, camera, options).is_err() {
+            continue;
         }
         let known = counted(known, "frame");
         messages.note(&format!("{}: only {known} known: carried to the clip first", camera.as_str()));

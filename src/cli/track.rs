@@ -99,36 +99,22 @@ pub fn track_and_report(
 ) -> anyhow::Result<TrackedFrames> {
     let clips = clips(document.at(folder), within);
     let mut bar: Option<ProgressBar> = None;
-    let mut count = 0;
     let mut watch = |event: TrackingEvent<'_>| {
+        if !matches!(event, TrackingEvent::Progress(_)) {
+            clear(bar.take());
+        }
         match event {
-            TrackingEvent::Begun(clip) => {
-                count = clip.frames.len();
-                bar = Some(messages.progress(2 * count, "Tracking"));
-            }
-            TrackingEvent::Progress(progress) => show_progress(bar.as_ref(), progress, count),
+            TrackingEvent::Begun(clip) => bar = Some(messages.progress(2 * clip.frames.len(), "Tracking")),
+            TrackingEvent::Progress(progress) => show_progress(bar.as_ref(), progress),
             TrackingEvent::Refining(_) => bar = Some(messages.progress(1, "Refining the base on painted lines")),
-            TrackingEvent::Tracked(clip, tracked) => {
-                clear(bar.take());
-                report_tracked(clip, tracked, messages);
-            }
-            TrackingEvent::Failed(clip, error) => {
-                clear(bar.take());
-                messages.frame_failed(&name_of(clip), &error.to_string());
-            }
-            TrackingEvent::Length(found) => {
-                clear(bar.take());
-                messages.note(&describe_length(found));
-            }
-            TrackingEvent::Refined(camera, seen) => {
-                clear(bar.take());
-                messages.note(&describe_refined(camera, seen));
-            }
-            TrackingEvent::NoBetter(before, after) => {
-                clear(bar.take());
-                let [before, after] = [before, after].map(|confidence| 100.0 * confidence);
+            TrackingEvent::Tracked(clip, tracked) => report_tracked(clip, tracked, messages),
+            TrackingEvent::Failed(clip, error) => messages.frame_failed(&name_of(clip), &error.to_string()),
+            TrackingEvent::Length(found) => messages.note(&describe_length(found)),
+            TrackingEvent::Refined(camera, seen) => messages.note(&describe_refined(camera, seen)),
+            TrackingEvent::NoBetter { kept, refined } => {
+                let [kept, refined] = [kept, refined].map(|confidence| 100.0 * confidence);
                 messages.note(&format!(
-                    "with the refined base the frames are less certain ({after:.1} % on average, {before:.1} % before): the one before stays"
+                    "with the refined base the frames are less certain ({refined:.1} % on average, {kept:.1} % before): the one before stays"
                 ));
             }
         }
@@ -146,14 +132,15 @@ fn clear(bar: Option<ProgressBar>) {
     }
 }
 
-/// Shows how far a clip of so many frames has come.
-fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress, count: usize) {
+/// Shows how far a clip has come: its points are followed in the first half of the bar, its paint is looked at in the second.
+fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
     let Some(bar) = bar else { return };
+    let half = bar.length().unwrap_or(0) / 2;
     match progress {
         ClipProgress::Following(done, _) => bar.set_position(done as u64),
         ClipProgress::Painting(done, of) => {
             bar.set_message("Painted lines");
-            bar.set_position((count + done * count / of.max(1)) as u64);
+            bar.set_position(half + done as u64 * half / of.max(1) as u64);
         }
         ClipProgress::Adjusting => bar.set_message("Adjusting"),
     }

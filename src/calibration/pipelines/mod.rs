@@ -2,4 +2,4 @@
 
 mod track_clips;
 
-pub use track_clips::{TrackedFrames, TrackingEvent, TrackingOptions, WatchTracking, track_clips};
+pub use track_clips::{TrackedFrames, TrackingEvent, TrackingOptions, WatchTracking, give_first_base, track_clips};

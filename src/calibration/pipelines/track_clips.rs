@@ -55,8 +55,13 @@ pub enum TrackingEvent<'a> {
     Length(&'a LengthOnLines),
     /// The base of a camera was refined, and the clips are tracked again with it.
     Refined(&'a CameraId, &'a PaintSeen),
-    /// The frames are less certain with the refined bases, or fewer: those before stay. The mean confidence before, and with them.
-    NoBetter(f64, f64),
+    /// The frames are less certain with the refined bases, or fewer: those before stay. The mean confidences, 0 to 1.
+    NoBetter {
+        /// Of those that stay.
+        kept: f64,
+        /// With the refined bases.
+        refined: f64,
+    },
 }
 
 /// Hears what happens; may end it.
@@ -90,9 +95,12 @@ pub fn track_clips(
 ) -> Result<TrackedFrames, FieldError> {
     evidence.resize(clips.len(), ClipEvidence::default());
     if options.refine_base {
-        give_first_bases(document, folder, clips);
+        for camera in cameras_of(clips) {
+            // What fails here fails again when the clip is tracked, and is reported then.
+            let _ = give_first_base(document, folder, camera, &BaseOptions::default());
+        }
     }
-    let mut tracking = Tracking { folder, clips, reader, options, evidence, watch };
+    let mut tracking = Tracking { folder, clips, reader, options, evidence, watch, is_stopped: false };
     // What is known before a pass. Tracked cameras hold nothing, so that each pass begins from it.
     let mut known = document.clone();
     let mut frames = tracking.pass(document)?;
@@ -105,22 +113,24 @@ pub fn track_clips(
     if options.refine_base {
         frames = tracking.refine_until_settled(document, known, frames)?;
     }
-    Ok(frames)
+    Ok(TrackedFrames { is_stopped: tracking.is_stopped, ..frames })
 }
 
-/// Gives each camera of the clips that has no base one from its clicks, where they suffice.
-fn give_first_bases(document: &mut Document, folder: &Path, clips: &[ClipFrames]) {
-    for camera in cameras_of(clips) {
-        if document.camera(camera).and_then(Camera::base).is_some() {
-            continue;
-        }
-        let estimated = BaseProblem::of(document.at(folder), camera)
-            .and_then(|problem| problem.estimate(&document.at(folder), &BaseOptions::default()));
-        if let Ok(estimated) = estimated {
-            // What fails here fails again when the clip is tracked, and is reported then.
-            let _ = estimated.write_to(document, folder);
-        }
+/// Gives a camera that has no base one from its clicks, and solves its frames with it.
+///
+/// # Errors
+/// The clicks give no base, or the camera's field is not valid.
+pub fn give_first_base(
+    document: &mut Document,
+    folder: &Path,
+    camera: &CameraId,
+    options: &BaseOptions,
+) -> Result<(), BaseEstimationError> {
+    if document.camera(camera).and_then(Camera::base).is_some() {
+        return Ok(());
     }
+    let estimated = BaseProblem::of(document.at(folder), camera)?.estimate(&document.at(folder), options)?;
+    estimated.write_to(document, folder)
 }
 
 fn cameras_of(clips: &[ClipFrames]) -> BTreeSet<&CameraId> {
@@ -135,41 +145,51 @@ struct Tracking<'a> {
     options: &'a TrackingOptions,
     evidence: &'a mut [ClipEvidence],
     watch: WatchTracking<'a>,
+    /// Whether the listener has asked to end it.
+    is_stopped: bool,
 }
 
 impl Tracking<'_> {
+    /// Reports an event; whether to go on.
+    fn report(&mut self, event: TrackingEvent<'_>) -> bool {
+        self.is_stopped |= (self.watch)(event).is_break();
+        !self.is_stopped
+    }
+
     /// Tracks each clip once, from the cameras that the document knows.
     fn pass(&mut self, document: &mut Document) -> Result<TrackedFrames, FieldError> {
         let known = document.clone();
         let fields = Fields::of(known.at(self.folder))?;
         let mut frames = TrackedFrames::default();
-        for (clip, evidence) in self.clips.iter().zip(self.evidence.iter_mut()) {
+        for (index, clip) in self.clips.iter().enumerate() {
             let Some(first) = clip.frames.iter().find_map(|frame| known.frames.get(frame.place?)) else { continue };
             let field = fields.of_frame(&known, first);
-            if (self.watch)(TrackingEvent::Begun(clip)).is_break() {
-                frames.is_stopped = true;
+            if !self.report(TrackingEvent::Begun(clip)) {
                 break;
             }
             let mut report = |progress| (self.watch)(TrackingEvent::Progress(progress));
-            let at = known.at(self.folder);
-            match track_clip(at, clip, field, self.reader, &self.options.clip, evidence, &mut report) {
+            let (at, evidence) = (known.at(self.folder), &mut self.evidence[index]);
+            let goes_on = match track_clip(at, clip, field, self.reader, &self.options.clip, evidence, &mut report) {
                 Ok(tracked) => {
                     record_tracked(document, &tracked);
                     frames.tracked += tracked.frames.len();
                     frames.missed += tracked.missed.len();
-                    frames.is_stopped = (self.watch)(TrackingEvent::Tracked(clip, &tracked)).is_break();
+                    self.report(TrackingEvent::Tracked(clip, &tracked))
                 }
-                Err(TrackClipError::Stopped) => frames.is_stopped = true,
+                Err(TrackClipError::Stopped) => {
+                    self.is_stopped = true;
+                    false
+                }
                 Err(error) => {
                     frames.missed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
-                    frames.is_stopped = (self.watch)(TrackingEvent::Failed(clip, &error)).is_break();
+                    self.report(TrackingEvent::Failed(clip, &error))
                 }
-            }
-            if frames.is_stopped {
+            };
+            if !goes_on {
                 break;
             }
         }
-        Ok(frames)
+        Ok(TrackedFrames { is_stopped: self.is_stopped, ..frames })
     }
 
     /// Measures the length of the field where the tracked frames doubt it, and takes it into the document as it was known before, if
@@ -178,7 +198,7 @@ impl Tracking<'_> {
         let (reader, folder) = (&mut *self.reader, self.folder);
         let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, folder).ok();
         let Some(found) = length_on_lines(document.at(folder), &mut picture)? else { return Ok(false) };
-        if (self.watch)(TrackingEvent::Length(&found)).is_break() || found.is_prescribed {
+        if !self.report(TrackingEvent::Length(&found)) || found.is_prescribed {
             return Ok(false);
         }
         take_length(known, &found);
@@ -212,8 +232,7 @@ impl Tracking<'_> {
             }
         }
         if last < best - CONFIDENCE_NOISE {
-            // An end asked for now is the end anyway.
-            let _ = (self.watch)(TrackingEvent::NoBetter(best, last));
+            self.report(TrackingEvent::NoBetter { kept: best, refined: last });
         }
         Ok(frames)
     }
@@ -223,13 +242,13 @@ impl Tracking<'_> {
         let mut refined = known.clone();
         let mut is_any = false;
         for camera in cameras_of(self.clips) {
-            if (self.watch)(TrackingEvent::Refining(camera)).is_break() {
+            if !self.report(TrackingEvent::Refining(camera)) {
                 return None;
             }
             // Too little paint, or clicks alone that give no base: the base stays.
             let Ok(Some(seen)) = self.refine_base(tracked, camera, &mut refined) else { continue };
             is_any = true;
-            if (self.watch)(TrackingEvent::Refined(camera, &seen)).is_break() {
+            if !self.report(TrackingEvent::Refined(camera, &seen)) {
                 return None;
             }
         }
