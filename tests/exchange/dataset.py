@@ -105,6 +105,53 @@ def numpy_alone(python, folder):
     assert int(said[0]) > 0 and said[1] == "True", said
 
 
+SHOT_SIZE = (1920, 1080)
+SHOT_FRAMES = 12
+SHOT_DEGREES_A_FRAME = 0.1
+SHOT_ZOOM = 1.3
+SHOT_ALLOWED_DEGREES = 0.03
+
+
+def shot_rotation(frame, first):
+    """The rotation of a frame of the shot: panned about the camera's vertical axis, which stands upright in the world."""
+    angle = np.array([[0.0], [0.0], [np.deg2rad(SHOT_DEGREES_A_FRAME * frame)]])
+    return first @ cv2.Rodrigues(angle)[0]
+
+
+def write_shot(data, work):
+    """A shot in FIFA's arrays: a picture of the dataset without its lens, panned a tenth of a degree a frame.
+
+    The picture is shown closer than it was taken, so that the pan does not leave it. Returns the rotations of its frames.
+    """
+    picture = cv2.imread(data.picture(0))
+    first, translation, matrix, _ = data.opencv(0)
+    width, height = SHOT_SIZE
+    focal_px = SHOT_ZOOM * matrix[0, 0] * width / picture.shape[1]
+    K = np.array([[focal_px, 0, (width - 1) / 2], [0, focal_px, (height - 1) / 2], [0, 0, 1]])
+    rotations = [shot_rotation(frame, first) for frame in range(SHOT_FRAMES)]
+    video = cv2.VideoWriter(os.path.join(work, "SHOT.mp4"), cv2.VideoWriter_fourcc(*"mp4v"), 25, SHOT_SIZE)
+    assert video.isOpened()
+    for turned in rotations:
+        video.write(cv2.warpPerspective(picture, K @ turned @ first.T @ np.linalg.inv(matrix), SHOT_SIZE, flags=cv2.INTER_LINEAR))
+    video.release()
+    np.savez(
+        os.path.join(work, "SHOT.npz"),
+        K=np.repeat(K[None], SHOT_FRAMES, 0),
+        k=np.zeros((SHOT_FRAMES, 5)),
+        R=first[None],
+        t=np.asarray(translation, dtype=float).reshape(1, 3),
+    )
+    return rotations
+
+
+def worst_turn(path, rotations):
+    """The largest angle between the rotations of a file and others, degrees."""
+    with np.load(path, allow_pickle=False) as arrays:
+        assert arrays["R"].shape == (SHOT_FRAMES, 3, 3), arrays["R"].shape
+        turns = [cv2.Rodrigues(found @ wanted.T)[0] for found, wanted in zip(arrays["R"], rotations)]
+    return np.rad2deg(max(np.linalg.norm(turn) for turn in turns))
+
+
 def recipes(touchline, python, folder):
     """Every Python block of the recipes runs after the command above it."""
     with open(os.path.join(ROOT, "assets", "recipes.md"), encoding="utf-8") as file:
@@ -142,8 +189,11 @@ def main():
         numpy_alone(python, folder)
         plain = touchline_dataset.load(os.path.join(folder, "undistorted"))
         assert len(plain) == len(data) and not plain.k1.any() and os.path.exists(plain.picture(0))
+        rotations = write_shot(plain, work)
         recipes(touchline, python, folder)
-        print("%-12s run" % "recipes")
+        off = worst_turn(os.path.join(work, "SHOT_tracked.npz"), rotations)
+        print("%-12s %-42s %.4f degrees" % ("recipes", "run; the shot of FIFA's arrays, its rotations", off))
+        assert off < SHOT_ALLOWED_DEGREES
 
 
 if __name__ == "__main__":
