@@ -143,16 +143,24 @@ impl Search<'_> {
         }
         let looked_at = LookedAt { frames: &frames, traces: &traces };
         let best = self.snapped(best, &frames, picture)?;
-        if let Some(doubt) = few_snapped(&best.camera, MIN_BEFORE) {
-            return Err(uncertain(vec![doubt], best.camera));
-        }
         let Some(other) = other else {
-            return self.found(best, looked_at, picture, MIN_SNAPPED);
+            return match few_snapped(&best.camera, MIN_BEFORE) {
+                Some(doubt) => Err(uncertain(vec![doubt], best.camera)),
+                None => self.found(best, looked_at, picture, MIN_SNAPPED),
+            };
         };
         let is_doubted = !doubts.is_empty() || !other.doubts.is_empty();
         let mut other = Place::of(other, &frames);
         other.camera.evidence.rival = best.camera.evidence.score();
         let other = self.snapped(other, &frames, picture)?;
+        // Both explain the paint about equally well: the one that the frames' own pictures contradict is the runner-up.
+        let [best, other] = match few_snapped(&best.camera, MIN_BEFORE) {
+            Some(doubt) if is_doubted || few_snapped(&other.camera, MIN_BEFORE).is_some() => {
+                return Err(uncertain(vec![doubt], best.camera));
+            }
+            Some(_) => [other, best],
+            None => [best, other],
+        };
         // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
         if snapped_share(&other.camera) <= REFUTED {
             return self.found(best, looked_at, picture, OVER_REFUTED);
