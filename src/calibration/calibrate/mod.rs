@@ -23,6 +23,7 @@ mod own_covariance;
 mod own_noise;
 mod paint;
 mod refit;
+mod replacement;
 mod size_fit;
 mod solve_all;
 mod solve_frames;
@@ -66,6 +67,7 @@ pub use paint::{
     FindFrameError, LINE_CHECK, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame,
     record_found_by_paint, record_line_check, record_on_paint, record_snapped, snap_clicks, snap_frame,
 };
+pub(crate) use replacement::may_replace;
 pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub use solve_frames::{is_by_clicks, record_outcome};

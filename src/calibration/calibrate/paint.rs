@@ -1,6 +1,6 @@
 //! The painted lines of a frame's picture: its camera pulled onto them, or judged by them.
 
-use super::observations;
+use super::{may_replace, observations};
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -41,6 +41,9 @@ pub enum SnapFrameError {
     /// The paint does not decide.
     #[error(transparent)]
     Paint(#[from] SnapError),
+    /// The paint agrees less with the aligned camera than with the one before.
+    #[error("the painted lines agree better with the camera that it has")]
+    Worse,
 }
 
 /// What the paint of its picture says about a solved frame's camera; none without a camera.
@@ -133,7 +136,12 @@ pub fn camera_on_paint(
         let (base, found) = find_frame(document, frame, field, picture, options, watch)?;
         Ok((base, found.snapped))
     } else {
-        Ok(snap_frame(document, frame, field, picture, &options.snap)?)
+        let (base, snapped) = snap_frame(document, frame, field, picture, &options.snap)?;
+        let earlier = check_frame(document, frame, field, picture);
+        if earlier.is_some_and(|earlier| !may_replace(&earlier, &snapped.check)) {
+            return Err(SnapFrameError::Worse.into());
+        }
+        Ok((base, snapped))
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the painted lines say about a proposed camera, how that enters its confidence, and the camera pulled onto them.
 
 use super::{Answer, NoProposal, Proposal, read_picture};
+use crate::calibrate::may_replace;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldError;
@@ -80,22 +81,23 @@ impl LineEvidence {
         if self.proven == Some(false) {
             return;
         }
-        let mut snapped: Vec<Option<Answer>> = vec![None; proposals.len()];
+        let mut found: Vec<Option<PaintAnswer>> = vec![None; proposals.len()];
         // Videos are read one frame after the other, images side by side.
-        for (proposal, snapped) in proposals.iter_mut().zip(&mut snapped) {
+        for (proposal, found) in proposals.iter_mut().zip(&mut found) {
             if at.document.frames.by_id(&proposal.frame).is_some_and(|frame| frame.image.is_none()) {
-                *snapped = self.ask(at, reader, proposal);
+                *found = self.ask(at, reader, proposal);
             }
         }
-        proposals.par_iter_mut().zip(&mut snapped).for_each(|(proposal, snapped)| {
+        proposals.par_iter_mut().zip(&mut found).for_each(|(proposal, found)| {
             if at.document.frames.by_id(&proposal.frame).is_some_and(|frame| frame.image.is_some()) {
-                *snapped = self.ask(at, &mut FrameReader::new(), proposal);
+                *found = self.ask(at, &mut FrameReader::new(), proposal);
             }
         });
         if self.proven.is_none() && supports_hardly_any(proposals) {
             return;
         }
-        for (proposal, snapped) in proposals.iter_mut().zip(snapped) {
+        for (proposal, found) in proposals.iter_mut().zip(found) {
+            let PaintAnswer { snapped, earlier } = found.unwrap_or_default();
             let scale =
                 at.document.frames.by_id(&proposal.frame).map_or(1.0, |frame| frame.image_size.scale_from_1920());
             let Ok(answer) = &mut proposal.outcome else { continue };
@@ -108,25 +110,40 @@ impl LineEvidence {
                 *answer = snapped;
             } else if let Some(refused) = refused {
                 proposal.outcome = Err(refused);
+                continue;
+            }
+            let now = answer.line_check.as_ref();
+            if earlier.zip(now).is_some_and(|(earlier, now)| !may_replace(&earlier, now)) {
+                proposal.outcome = Err(NoProposal::NoBetter);
             }
         }
     }
 
-    /// Has the paint judge an answer; the same answer on the paint, where that is wanted and the paint decides.
-    fn ask(&self, at: DocumentAt<'_>, reader: &mut dyn ReadFrames, proposal: &mut Proposal) -> Option<Answer> {
+    /// Has the paint judge an answer, and an earlier one that no forest gave.
+    fn ask(&self, at: DocumentAt<'_>, reader: &mut dyn ReadFrames, proposal: &mut Proposal) -> Option<PaintAnswer> {
         let frame = at.document.frames.by_id(&proposal.frame)?;
         let (answer, base) = (proposal.outcome.as_mut().ok()?, proposal.asked.base?);
         let picture = read_picture(reader, frame, at.folder).ok()?;
         let (ground, field) = (ground(at, frame, &picture), self.fields.of_frame(at.document, frame));
         let start = answer.ptz.ptz();
         answer.line_check = Some(check_lines(&ground, field, &PtzCamera::new(base, start)));
-        if !self.snapping {
-            return None;
-        }
+        let earlier = at.document.pointed(frame).filter(|_| frame.is_answered_without_forest());
+        let earlier = earlier.map(|earlier| check_lines(&ground, field, &earlier));
         // Where the paint does not decide, the answer stays as the forest gave it.
-        let snapped = snap(&ground, field, &base, start, &[], &SnapOptions::default()).ok()?;
-        Some(on_paint(answer, &base, &snapped, frame.image_size))
+        let snapped =
+            self.snapping.then(|| snap(&ground, field, &base, start, &[], &SnapOptions::default()).ok()).flatten();
+        let snapped = snapped.map(|snapped| on_paint(answer, &base, &snapped, frame.image_size));
+        Some(PaintAnswer { snapped, earlier })
     }
+}
+
+/// What the paint of a frame says beside its check of the answer.
+#[derive(Clone, Default)]
+struct PaintAnswer {
+    /// The answer pulled onto the paint, where that is wanted and the paint decides.
+    snapped: Option<Answer>,
+    /// The check of a camera that the frame has and that no forest proposed.
+    earlier: Option<LineCheck>,
 }
 
 /// An answer pulled onto the paint: which of the matches are right does not change, but the camera is known as the paint has it.

@@ -82,6 +82,9 @@ pub enum NoProposal {
         /// Places of the lines that show paint or bare ground.
         open: usize,
     },
+    /// The frame has a camera that the program found otherwise, and this answer is no better.
+    #[error("the camera that it has, which no forest proposed, is at least as good")]
+    NoBetter,
     /// The picture or its features cannot be had.
     #[error(transparent)]
     Picture(#[from] PictureError),
@@ -140,6 +143,7 @@ impl NoProposal {
             Self::NoReferences { .. } => "coverage",
             Self::NoBase { .. } => "no_base",
             Self::Contradicted { .. } => "line_check",
+            Self::NoBetter => "no_better",
             Self::Picture(_) => "picture",
             Self::Panicked { .. } => "failed",
         }
@@ -188,9 +192,18 @@ impl Proposal {
         is_answer.then(|| Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion() })
     }
 
-    /// Writes the answer into its frame, as a file has it.
+    /// Writes the answer into its frame, as a file has it. A camera that the program found otherwise stays where there is no
+    /// answer, or one that is less certain.
     pub fn record(&self, frame: &mut Frame) {
-        self.suggestion().show_in(frame);
+        if !frame.is_answered_without_forest() || self.is_more_certain_than(frame) {
+            self.suggestion().show_in(frame);
+        }
+    }
+
+    /// Whether it has a camera, and one of greater confidence than a frame's.
+    fn is_more_certain_than(&self, frame: &Frame) -> bool {
+        let earlier = frame.solution.as_ref().and_then(|solution| solution.confidence);
+        self.outcome.as_ref().is_ok_and(|answer| earlier.is_none_or(|earlier| answer.confidence > earlier))
     }
 }
 
@@ -203,5 +216,50 @@ impl From<Timings> for TimingsMs {
             pose: milliseconds(timings.pose),
             ..Self::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, FieldSpec, FrameStatus};
+
+    /// A document of one frame with a camera of this confidence from a source.
+    fn answered(source: SolutionSource, confidence: f64) -> Document {
+        let size = ImageSize::new(640, 360);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        let mut frame = Frame::from_image("a.png", "main".into(), size);
+        frame.status = FrameStatus::Suggested;
+        frame.ptz = Some(Answer::at_pan(1.0, confidence).ptz);
+        frame.solution = Some(Solution { source: Some(source), confidence: Some(confidence), ..Solution::default() });
+        document.frames.push(frame.into());
+        document
+    }
+
+    /// The pan that a frame has after a forest's answer was recorded in it, degrees.
+    fn pan_after(document: &Document, outcome: Result<Answer, NoProposal>) -> Option<f64> {
+        let mut proposal = Proposal::without_answer(document, 0, 1, NoProposal::NoBetter);
+        proposal.outcome = outcome;
+        let mut frame = Frame::clone(&document.frames[0]);
+        proposal.record(&mut frame);
+        frame.ptz.map(|ptz| ptz.pan_deg)
+    }
+
+    #[test]
+    fn a_tracked_camera_gives_way_to_a_more_certain_answer_only() {
+        let tracked = answered(SolutionSource::Tracking, 0.9);
+        assert_eq!(pan_after(&tracked, Ok(Answer::at_pan(2.0, 0.95))), Some(2.0));
+        assert_eq!(pan_after(&tracked, Ok(Answer::at_pan(2.0, 0.85))), Some(1.0));
+        assert_eq!(pan_after(&tracked, Err(NoProposal::NoBetter)), Some(1.0));
+        assert_eq!(pan_after(&tracked, Err(NoProposal::Contradicted { found: 1, open: 20 })), Some(1.0));
+    }
+
+    #[test]
+    fn an_earlier_answer_of_a_forest_gives_way_to_what_a_later_one_says() {
+        let proposed = answered(SolutionSource::Forest, 0.9);
+        assert_eq!(pan_after(&proposed, Ok(Answer::at_pan(2.0, 0.85))), Some(2.0));
+        assert_eq!(pan_after(&proposed, Err(NoProposal::Contradicted { found: 1, open: 20 })), None);
     }
 }

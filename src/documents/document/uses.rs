@@ -72,6 +72,14 @@ impl Frame {
         self.ptz.is_some() && source == Some(SolutionSource::Tracking)
     }
 
+    /// Whether the program gave it a camera by something else than a forest: no forest is asked for it where its answer would
+    /// be one among others.
+    #[must_use]
+    pub fn is_answered_without_forest(&self) -> bool {
+        let source = self.solution.as_ref().and_then(|solution| solution.source);
+        self.ptz.is_some() && source != Some(SolutionSource::Forest)
+    }
+
     /// The first of its clicks that has no name.
     #[must_use]
     pub fn unnamed_click(&self) -> Option<usize> {

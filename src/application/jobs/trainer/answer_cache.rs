@@ -74,7 +74,7 @@ impl AnswerCache {
     /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same way.
     pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, asking: Asking) -> bool {
         let Some(frame) = document.frames.get(index) else { return false };
-        if !frame.is_open() || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {
+        if !frame.is_open() || frame.is_answered_without_forest() || model.camera(frame.camera.as_str()).is_none() {
             return false;
         }
         let Some(entry) = self.entries.get(&frame.id) else { return true };
@@ -130,11 +130,6 @@ impl AnswerCache {
 /// Whether its camera was proposed by the forest.
 fn is_by_forest(frame: &Frame) -> bool {
     source(frame) == Some(SolutionSource::Forest)
-}
-
-/// Whether its camera comes from another source.
-fn is_by_others(frame: &Frame) -> bool {
-    frame.ptz.is_some() && !is_by_forest(frame)
 }
 
 fn source(frame: &Frame) -> Option<SolutionSource> {

@@ -10,6 +10,7 @@ use super::evidence::{ClipEvidence, apart_px};
 use super::options::{ClipProgress, TrackClipOptions, WatchClip};
 use super::paint::{Painted, share_alike};
 use super::pictures::{ClipPictures, go_on};
+use crate::calibrate::may_replace;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -26,9 +27,6 @@ const SETTLED_PX: f64 = 4.0;
 
 /// A camera this near to another is the same answer, px at 1920 px width: paint is found to half of it.
 const ALIKE_PX: f64 = 1.5;
-
-/// An answer is replaced by one that the paint finds no less probable than this much below it.
-const SCORE_NOISE: f64 = 0.05;
 
 /// What a clip is adjusted from.
 pub(super) struct ClipFit<'a> {
@@ -212,10 +210,4 @@ impl ClipFit<'_> {
             Painted::Open => Some(PaintVerdict::Silent),
         }
     }
-}
-
-/// Whether an answer may take the place of an earlier one, by what the same paint says about both: it is as probable, as far as paint
-/// can tell.
-fn may_replace(earlier: &LineCheck, now: &LineCheck) -> bool {
-    now.score >= earlier.score - SCORE_NOISE
 }
