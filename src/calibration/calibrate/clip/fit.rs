@@ -144,31 +144,56 @@ impl ClipFit<'_> {
         if self.options.paint_every == 0 {
             return Ok(judged);
         }
-        let earlier: BTreeMap<usize, Ptz> = self.earlier().map(|anchor| (anchor.frame, anchor.ptz)).collect();
         let asked = self.frames_to_ask(adjusted);
+        let mut verdicts = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
             go_on(watch(ClipProgress::Painting(done, asked.len())))?;
-            let other = earlier.get(&frame).filter(|earlier| self.apart(**earlier, ptz) > ALIKE_PX);
-            let known = self.verdict_by_evidence(evidence, frame, ptz).filter(|_| self.is_size_fitted);
-            let mut unexplained = 0.0;
-            let verdict = match (known, other) {
-                (Some(verdict), None) => verdict,
-                (known, other) => {
-                    let (check, keeps_earlier) = self.look_again(reader, frame, ptz, other.copied())?;
-                    if keeps_earlier {
-                        judged.kept.insert(frame);
-                    }
-                    judged.is_of_other_field |= self.is_of_other_field(&check);
-                    unexplained = check.unexplained.unwrap_or(0.0);
-                    known.unwrap_or_else(|| self.verdict_of(&check))
-                }
-            };
-            let next = asked.get(done + 1).map_or(judged.paint.len(), |next| next.0);
+            verdicts.push((frame, self.judge_frame(reader, evidence, (frame, ptz), &mut judged)?));
+        }
+        // Where one frame lies on its paint and the next that was asked does not, what spoilt the clip (a dissolve, a graphic that
+        // wipes over it) happened at a frame between the two.
+        let is_off = |verdict: PaintVerdict| verdict == PaintVerdict::Contradicts;
+        let changes: Vec<_> = verdicts
+            .windows(2)
+            .filter(|pair| is_off(pair[0].1) != is_off(pair[1].1))
+            .map(|pair| pair[0].0..pair[1].0)
+            .collect();
+        for frame in changes.into_iter().flat_map(|range| range.skip(1)) {
+            let Some(at) = adjusted.frames[frame] else { continue };
+            verdicts.push((frame, self.judge_frame(reader, evidence, (frame, at.ptz), &mut judged)?));
+        }
+        verdicts.sort_by_key(|(frame, _)| *frame);
+        for (place, &(frame, verdict)) in verdicts.iter().enumerate() {
+            let next = verdicts.get(place + 1).map_or(judged.paint.len(), |next| next.0);
             let like_it = frame..next.min(frame + self.options.paint_every);
             judged.paint[like_it.clone()].fill(verdict);
+            let unexplained = judged.unexplained[frame];
             judged.unexplained[like_it].fill(unexplained);
         }
         Ok(judged)
+    }
+
+    /// What the paint says about a frame's adjusted camera; what else the look at its picture shows goes into `judged`.
+    fn judge_frame(
+        &self,
+        reader: &mut dyn ReadFrames,
+        evidence: &ClipEvidence,
+        (frame, ptz): (usize, Ptz),
+        judged: &mut Judged,
+    ) -> Result<PaintVerdict, TrackClipError> {
+        let earlier = self.earlier().find(|anchor| anchor.frame == frame).map(|anchor| anchor.ptz);
+        let other = earlier.filter(|earlier| self.apart(*earlier, ptz) > ALIKE_PX);
+        let known = self.verdict_by_evidence(evidence, frame, ptz).filter(|_| self.is_size_fitted);
+        if let (Some(verdict), None) = (known, other) {
+            return Ok(verdict);
+        }
+        let (check, keeps_earlier) = self.look_again(reader, frame, ptz, other)?;
+        if keeps_earlier {
+            judged.kept.insert(frame);
+        }
+        judged.is_of_other_field |= self.is_of_other_field(&check);
+        judged.unexplained[frame] = check.unexplained.unwrap_or(0.0);
+        Ok(known.unwrap_or_else(|| self.verdict_of(&check)))
     }
 
     /// What the paint says about a frame's adjusted camera, and whether it speaks more for the one that the frame had earlier.
