@@ -1,25 +1,20 @@
 //! `touchline calibrate`: a project with its camera, from frames alone.
 
 use super::Outcome;
+use super::match_report::{MatchReport, describe_no_camera};
 use super::messages::Messages;
 use super::new::parameter;
-use super::other_cameras::split_off;
 use super::output::{refuse_existing, write_file};
-use super::rest::answer_the_rest;
 use anyhow::{Context as _, ensure};
 use image::DynamicImage;
-use std::collections::BTreeSet;
 use std::io::Cursor;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
-use touchline_calibration::calibrate::{
-    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, describe_size,
-    record_found,
-};
-use touchline_calibration::proposals::{PictureError, read_picture};
-use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
+use touchline_calibration::calibrate::UnclickedCamera;
+use touchline_calibration::pipelines::{LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match};
+use touchline_documents::document::{Document, FieldSize, FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::{FrameReader, FrameSource};
@@ -94,18 +89,19 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     }
     let mut document = made.document;
     let camera = document.cameras.first().context("not one image can be read")?.id.clone();
-    let found = look_for(&document.at(&folder), &camera, args.look_at as usize, messages)?;
-    let found = match found {
-        UnclickedAnswer::Found(found) => found,
-        UnclickedAnswer::Two { best, other, deciding } => {
-            return Ok(say_no_answer(args, &two_answers(&document, &best, &other, deciding.as_ref()), messages));
-        }
-        UnclickedAnswer::Abstained(why) => return Ok(say_no_answer(args, &why.to_string(), messages)),
+    let options = MatchOptions { sampled_frames: args.look_at as usize, label_the_rest: !args.found_only };
+    let report = MatchReport::new(messages);
+    let watch = |event: MatchEvent<'_>| {
+        report.hear(event);
+        ControlFlow::Continue(())
     };
-    record_found(&mut document, &camera, &found);
-    say(&found, messages);
-    let all = with_others(&mut document, &folder, (camera, *found), args.look_at as usize, messages)?;
-    let rest = if args.found_only { (0, 0) } else { answer_the_rest(&mut document, &folder, &all, messages)? };
+    let labels = label_match(&mut document, &folder, &camera, &mut FrameReader::new(), &options, &watch);
+    drop(report);
+    let labelled = match labels? {
+        MatchLabels::Labelled(labelled) => labelled,
+        MatchLabels::NoCamera(why) => return Ok(say_no_answer(args, &describe_no_camera(&document, &why), messages)),
+    };
+    let all = &labelled.cameras;
     let location = Location::for_new_document(&folder.join(""))?;
     touchline_documents::store::write_document(&location, &document, args.force)?;
     new_folder.keep();
@@ -116,58 +112,23 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         all.iter().map(|found| found.frames.len()).sum::<usize>(),
         all.iter().map(UnclickedCamera::snapped_count).sum::<usize>(),
     ));
-    if rest != (0, 0) {
-        messages.note(&format!("of the other frames {} got a suggested camera, {} none", rest.0, rest.1));
+    let LabelledMatch { answered, unanswered, .. } = labelled;
+    if !args.found_only && (answered, unanswered) != (0, 0) {
+        messages.note(&format!("of the other frames {answered} got a suggested camera, {unanswered} none"));
     }
     if let Some(panorama) = &args.panorama {
         for (number, found) in all.iter().enumerate() {
             write_file(&numbered(panorama, number), &panorama_png(&document, found)?, args.force)?;
         }
     }
-    Ok(if made.left_out.is_empty() && rest.1 == 0 { Outcome::Done } else { Outcome::SomeFailed })
+    let is_whole = args.found_only || unanswered == 0;
+    Ok(if made.left_out.is_empty() && is_whole { Outcome::Done } else { Outcome::SomeFailed })
 }
 
 /// Says why no camera is found. Nothing is wrong with the input or its use: nothing is written, and the exit code is 1.
 fn say_no_answer(args: &CalibrateArgs, why: &str, messages: Messages) -> Outcome {
     messages.error(&format!("{}: {why}", args.frames.display()));
     Outcome::SomeFailed
-}
-
-/// The camera that was found, and those of the frames that hang together with none of its frames: each becomes a camera of its own,
-/// with a search of its own.
-fn with_others(
-    document: &mut Document,
-    folder: &Path,
-    (camera, found): (CameraId, UnclickedCamera),
-    look_at: usize,
-    messages: Messages,
-) -> anyhow::Result<Vec<UnclickedCamera>> {
-    let mut all = vec![found];
-    let mut of = camera;
-    while let Some(last) = all.last() {
-        let looked_at: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
-        let Some(other) = split_off(document, &of, &looked_at, &last.others) else { break };
-        let count = last.others.len();
-        match look_for(&document.at(folder), &other, look_at, messages)? {
-            UnclickedAnswer::Found(found) => {
-                messages.note(&format!("{count} frames are of another camera, {other}:"));
-                record_found(document, &other, &found);
-                say(&found, messages);
-                all.push(*found);
-                of = other;
-            }
-            UnclickedAnswer::Two { best, other: rival, deciding } => {
-                let says = two_answers(document, &best, &rival, deciding.as_ref());
-                messages.note(&format!("{count} frames are of another camera, {other}: {says}"));
-                break;
-            }
-            UnclickedAnswer::Abstained(why) => {
-                messages.note(&format!("{count} frames are of another camera, {other}: {why}"));
-                break;
-            }
-        }
-    }
-    Ok(all)
 }
 
 /// The file of a camera's panorama: the first one's as named, the others' with their numbers.
@@ -217,79 +178,4 @@ impl Drop for NewFolder {
             let _ = std::fs::remove_dir(folder);
         }
     }
-}
-
-/// The search with a bar for each of its steps.
-fn look_for(
-    document: &DocumentAt<'_>,
-    camera: &CameraId,
-    look_at: usize,
-    messages: Messages,
-) -> anyhow::Result<UnclickedAnswer> {
-    const PARTS: usize = 1000;
-    let bar = messages.progress(PARTS, "Finding the camera");
-    let mut reader = FrameReader::new();
-    let mut failed = BTreeSet::new();
-    let mut picture = |index: usize| {
-        let frame = &document.frames[index];
-        let told = |error: &PictureError| {
-            if failed.insert(index) {
-                messages.frame_failed(&frame.name(), &error.to_string());
-            }
-        };
-        read_picture(&mut reader, frame, document.folder).inspect_err(told).ok()
-    };
-    let watch = |progress: UnclickedProgress| {
-        bar.set_message(progress.to_string());
-        bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
-        ControlFlow::Continue(())
-    };
-    let found = camera_without_clicks(*document, camera, look_at, &mut picture, &watch);
-    bar.finish_and_clear();
-    Ok(found?)
-}
-
-/// Two answers in words, and the click that decides between them.
-fn two_answers(
-    document: &Document,
-    best: &UnclickedCamera,
-    other: &UnclickedCamera,
-    deciding: Option<&DecidingLandmark>,
-) -> String {
-    let at = |found: &UnclickedCamera| {
-        let at = found.base.position_m;
-        format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
-    };
-    let click = deciding.map_or_else(
-        || "click 4 landmarks on 2 frames".to_owned(),
-        |deciding| {
-            let frame = document.frames[deciding.frame].name();
-            let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
-            format!("one click decides: {} on {frame} is at {here} or at {there} px", deciding.landmark.as_str())
-        },
-    );
-    format!("two places for the camera explain the paint, {} and {}, so none is given; {click}", at(best), at(other))
-}
-
-/// What was found and what speaks for it.
-fn say(found: &UnclickedCamera, messages: Messages) {
-    for size in &found.sizes {
-        messages.note(&describe_size(size));
-    }
-    let (at, sigma, evidence) = (found.base.position_m, found.base.sigma.position_m, &found.evidence);
-    messages.note(&format!(
-        "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
-        at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
-    ));
-    messages.note(&format!(
-        "{} frames; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
-         one, paint {:.2} px off its lines, parts of the frames {:.2} m apart",
-        evidence.frames,
-        100.0 * evidence.explained,
-        100.0 * evidence.visible,
-        evidence.lines.len(),
-        100.0 * evidence.rival / evidence.score(),
-        evidence.residual_px,
-        evidence.parts_m,
-    ));
 }

@@ -11,9 +11,8 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_application::app::where_to_label::where_to_label;
-use touchline_calibration::proposals::{
-    Coverage, FramePictures, KeyWindow, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose,
-};
+use touchline_calibration::pipelines::{ForestRequest, PictureFiles, label_frames};
+use touchline_calibration::proposals::{Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice};
 use touchline_core::files::read_named;
 use touchline_core::geometry::counted;
 use touchline_documents::document::{
@@ -24,9 +23,6 @@ use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, Rel
 
 /// The largest forest that is read.
 const MAX_FOREST_BYTES: u64 = 8 << 30;
-
-/// Ctrl-C is looked at between so many frames.
-const BETWEEN_STOPS: usize = 16;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
 #[derive(clap::Args, Debug)]
@@ -98,38 +94,30 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         pose: PoseOptions { min_confidence: args.min_confidence, seed: args.seed, ..PoseOptions::default() },
     };
     let store = args.kept.store(file.as_deref());
-    let pictures = FramePictures { document: &document, folder: &folder, options: model.features, store: &store };
+    let files = PictureFiles { folder: &folder, store: &store };
+    let forest = ForestRequest { model: &model, generation: 0, options };
     let bar = messages.progress(asked.len(), "Relocalizing");
-    let mut reader = FrameReader::new();
-    let mut proposals = Vec::with_capacity(asked.len());
-    for some in asked.chunks(BETWEEN_STOPS) {
-        if interrupt.is_pressed() {
-            break;
-        }
-        let of_some = pictures.each(&mut reader, some, |index, _, found| {
-            let proposal = propose(&document, index, found, (&model, 0), &options);
-            bar.inc(1);
-            ControlFlow::Continue(proposal)
-        });
-        proposals.extend(of_some.unwrap_or_default());
-    }
+    let proposals = label_frames(&mut document, files, &mut FrameReader::new(), &asked, &forest, args.snap, &|done| {
+        bar.set_position(done as u64);
+        if interrupt.is_pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
     bar.finish_and_clear();
     tell_refusal(&store, messages);
+    let proposals = proposals?;
     let looked_at = proposals.len();
-    let at = document.at(&folder);
-    LineEvidence::of(at, &mut reader, args.snap)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
-    let mut answered = 0;
-    for proposal in proposals {
+    let (mut answered, mut kept) = (0, 0);
+    for proposal in &proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };
-        proposal.record(frame);
-        if !args.timings
-            && let Some(solution) = &mut frame.solution
-        {
-            solution.timings_ms = None;
-        }
         match &proposal.outcome {
             Ok(_) => answered += 1,
+            Err(_) if frame.ptz.is_some() => {
+                kept += 1;
+                continue;
+            }
             Err(reason) => messages.frame_failed(&frame.name(), &reason.to_string()),
+        }
+        if let Some(solution) = frame.solution.as_mut().filter(|_| !args.timings) {
+            solution.timings_ms = None;
         }
     }
     document.count_edits_since(&before);
@@ -145,9 +133,16 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         return Ok(Outcome::Stopped);
     }
     tell_where_to_label(document.at(&folder), messages);
-    let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
+    let failed = asked.len() - answered - kept + skipped;
+    let passed = document.frames.len() - asked.len() + kept;
     let why_passed =
         if args.key_frames { "no key frames, with clicks, or accepted" } else { "with clicks, or accepted" };
+    if kept > 0 {
+        messages.note(&format!(
+            "{} keep the camera that they have: it comes from no forest, and the forest's is no better",
+            counted(kept, "frame")
+        ));
+    }
     messages.note(&format!(
         "{} answered, {failed} not, {passed} left unchanged ({why_passed})",
         counted(answered, "frame")

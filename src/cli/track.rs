@@ -98,15 +98,37 @@ pub fn track_and_report(
     messages: Messages,
 ) -> anyhow::Result<TrackedFrames> {
     let clips = clips(document.at(folder), within);
-    let mut bar: Option<ProgressBar> = None;
+    let mut report = TrackingReport::new(messages);
     let mut watch = |event: TrackingEvent<'_>| {
+        report.hear(event);
+        if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut reader = FrameReader::new();
+    Ok(track_clips(document, folder, &clips, &mut reader, options, &mut Vec::new(), &mut watch)?)
+}
+
+/// What is said while clips are tracked: a bar for each step, and a line for what is worth knowing.
+pub struct TrackingReport {
+    messages: Messages,
+    bar: Option<ProgressBar>,
+}
+
+impl TrackingReport {
+    /// Nothing has been said yet.
+    pub const fn new(messages: Messages) -> Self {
+        Self { messages, bar: None }
+    }
+
+    /// Says what happened.
+    pub fn hear(&mut self, event: TrackingEvent<'_>) {
+        let messages = self.messages;
         if !matches!(event, TrackingEvent::Progress(_)) {
-            clear(bar.take());
+            self.clear();
         }
         match event {
-            TrackingEvent::Begun(clip) => bar = Some(messages.progress(2 * clip.frames.len(), "Tracking")),
-            TrackingEvent::Progress(progress) => show_progress(bar.as_ref(), progress),
-            TrackingEvent::Refining(_) => bar = Some(messages.progress(1, "Refining the base on painted lines")),
+            TrackingEvent::Begun(clip) => self.bar = Some(messages.progress(2 * clip.frames.len(), "Tracking")),
+            TrackingEvent::Progress(progress) => show_progress(self.bar.as_ref(), progress),
+            TrackingEvent::Refining(_) => self.bar = Some(messages.progress(1, "Refining the base on painted lines")),
             TrackingEvent::Tracked(clip, tracked) => report_tracked(clip, tracked, messages),
             TrackingEvent::Failed(clip, error) => messages.frame_failed(&name_of(clip), &error.to_string()),
             TrackingEvent::Length(found) => messages.note(&describe_length(found)),
@@ -118,17 +140,18 @@ pub fn track_and_report(
                 ));
             }
         }
-        if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let mut reader = FrameReader::new();
-    let tracked = track_clips(document, folder, &clips, &mut reader, options, &mut Vec::new(), &mut watch);
-    clear(bar);
-    Ok(tracked?)
+    }
+
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
 }
 
-fn clear(bar: Option<ProgressBar>) {
-    if let Some(bar) = bar {
-        bar.finish_and_clear();
+impl Drop for TrackingReport {
+    fn drop(&mut self) {
+        self.clear();
     }
 }
 

@@ -50,8 +50,8 @@ pub use shared_pictures::SharedPictures;
 pub use thumbnails::{ThumbnailReport, Thumbnails};
 pub use trainer::{Trainer, TrainerOptions};
 
-use self::panicked::panic_message;
 use std::sync::Arc;
+use touchline_calibration::pipelines::panic_message;
 
 /// Called by a job's thread when a report waits to be polled; a window repaints then.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

@@ -1,10 +1,10 @@
 //! What a panic said, for the person at the window.
 
-use std::any::Any;
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
+use touchline_calibration::pipelines::panic_message;
 
 /// Code of this program, or of what it stands on, gave up.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -38,12 +38,6 @@ pub fn until_it_panics<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
         message: panic_message(payload.as_ref()).replace('\n', " "),
         place: place.lock().unwrap_or_else(PoisonError::into_inner).clone(),
     })
-}
-
-/// The message of a panic.
-pub(super) fn panic_message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())
 }
 
 #[cfg(test)]

@@ -1,5 +1,23 @@
 //! Whole jobs that the window and the command line share. Each takes a document and reports on its way; none prints.
+//!
+//! | job | function |
+//! |---|---|
+//! | a match, from its pictures to the cameras of all frames, without a click | [`label_match`] |
+//! | the camera of some frames, by two clicks or none | [`find_camera`] |
+//! | frames labelled by a forest: learn, propose, judge, record | [`learn_forest`], [`propose_on_lines`], [`label_frames`] |
+//! | clips tracked from the frames that are known, base and field corrected on the way | [`track_clips`] |
 
+mod forest_labels;
+mod match_labels;
+mod other_cameras;
 mod track_clips;
 
+pub use forest_labels::{
+    ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, WatchFrames, WatchLearning,
+    label_frames, learn_forest, panic_message, propose_on_lines,
+};
+pub use match_labels::{
+    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, WatchMatch, find_camera,
+    label_match,
+};
 pub use track_clips::{TrackedFrames, TrackingEvent, TrackingOptions, WatchTracking, give_first_base, track_clips};

@@ -192,18 +192,18 @@ impl Proposal {
         is_answer.then(|| Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion() })
     }
 
-    /// Writes the answer into its frame, as a file has it. A camera that the program found otherwise stays where there is no
-    /// answer, or one that is less certain.
+    /// Writes the answer into its frame, as a file has it.
     pub fn record(&self, frame: &mut Frame) {
-        if !frame.is_answered_without_forest() || self.is_more_certain_than(frame) {
-            self.suggestion().show_in(frame);
-        }
+        self.suggestion().show_in(frame);
     }
 
-    /// Whether it has a camera, and one of greater confidence than a frame's.
-    fn is_more_certain_than(&self, frame: &Frame) -> bool {
+    /// Whether the answer may take the place of what its frame has. A camera that the program found otherwise stays where there is no
+    /// answer, or one that is less certain.
+    #[must_use]
+    pub fn may_replace_camera_of(&self, frame: &Frame) -> bool {
         let earlier = frame.solution.as_ref().and_then(|solution| solution.confidence);
-        self.outcome.as_ref().is_ok_and(|answer| earlier.is_none_or(|earlier| answer.confidence > earlier))
+        let is_more_certain = |answer: &Answer| earlier.is_none_or(|earlier| answer.confidence > earlier);
+        !frame.is_answered_without_forest() || self.outcome.as_ref().is_ok_and(is_more_certain)
     }
 }
 
@@ -238,28 +238,24 @@ mod tests {
         document
     }
 
-    /// The pan that a frame has after a forest's answer was recorded in it, degrees.
-    fn pan_after(document: &Document, outcome: Result<Answer, NoProposal>) -> Option<f64> {
-        let mut proposal = Proposal::without_answer(document, 0, 1, NoProposal::NoBetter);
-        proposal.outcome = outcome;
-        let mut frame = Frame::clone(&document.frames[0]);
-        proposal.record(&mut frame);
-        frame.ptz.map(|ptz| ptz.pan_deg)
+    /// Whether a forest's answer may be recorded in the document's frame.
+    fn may_replace(document: &Document, outcome: Result<Answer, NoProposal>) -> bool {
+        let proposal = Proposal { outcome, ..Proposal::without_answer(document, 0, 1, NoProposal::NoBetter) };
+        proposal.may_replace_camera_of(&document.frames[0])
     }
 
     #[test]
     fn a_tracked_camera_gives_way_to_a_more_certain_answer_only() {
         let tracked = answered(SolutionSource::Tracking, 0.9);
-        assert_eq!(pan_after(&tracked, Ok(Answer::at_pan(2.0, 0.95))), Some(2.0));
-        assert_eq!(pan_after(&tracked, Ok(Answer::at_pan(2.0, 0.85))), Some(1.0));
-        assert_eq!(pan_after(&tracked, Err(NoProposal::NoBetter)), Some(1.0));
-        assert_eq!(pan_after(&tracked, Err(NoProposal::Contradicted { found: 1, open: 20 })), Some(1.0));
+        assert!(may_replace(&tracked, Ok(Answer::at_pan(2.0, 0.95))));
+        assert!(!may_replace(&tracked, Ok(Answer::at_pan(2.0, 0.85))));
+        assert!(!may_replace(&tracked, Err(NoProposal::Contradicted { found: 1, open: 20 })));
     }
 
     #[test]
     fn an_earlier_answer_of_a_forest_gives_way_to_what_a_later_one_says() {
         let proposed = answered(SolutionSource::Forest, 0.9);
-        assert_eq!(pan_after(&proposed, Ok(Answer::at_pan(2.0, 0.85))), Some(2.0));
-        assert_eq!(pan_after(&proposed, Err(NoProposal::Contradicted { found: 1, open: 20 })), None);
+        assert!(may_replace(&proposed, Ok(Answer::at_pan(2.0, 0.85))));
+        assert!(may_replace(&proposed, Err(NoProposal::Contradicted { found: 1, open: 20 })));
     }
 }

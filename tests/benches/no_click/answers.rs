@@ -10,7 +10,7 @@ use touchline::calibrate::{
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
 use touchline::field::{FieldModel, Landmark};
-use touchline::geometry::ImagePoint;
+use touchline::geometry::{ImagePoint, Vec3};
 use touchline::media::FrameReader;
 use touchline::proposals::read_picture;
 
@@ -107,6 +107,18 @@ pub fn two_clicked(document: &Document, truth: &[PtzCamera], field: &FieldModel)
     clicked
 }
 
+/// Where a place of the real field lies on the field of an answer that assumes a length which the frames do not show: as far from the
+/// end that they show. Its origin, the middle of the field, is then half the difference off, and so is everything that is told from it.
+fn moved_with_the_end_seen(found: &UnclickedCamera, truth: &[PtzCamera], field: &FieldModel) -> Vec3 {
+    if !found.sizes.iter().any(|size| size.name == "length_m" && size.is_open) {
+        return Vec3::zeros();
+    }
+    let half_m = 0.5 * (found.field.length_m - field.length_m);
+    let middle = |camera: &PtzCamera| camera.plane_from_image(camera.base().principal_point, 0.0);
+    let x_m: f64 = truth.iter().filter_map(middle).map(|ground| ground.x).sum();
+    Vec3::new(half_m * x_m.signum(), 0.0, 0.0)
+}
+
 /// How far off each answered frame is at the worst place of the ground that it shows, px.
 pub fn worst_px(
     document: &Document,
@@ -116,6 +128,7 @@ pub fn worst_px(
 ) -> Vec<(usize, f64)> {
     let mut recorded = document.clone();
     let camera = document.cameras[0].id.clone();
+    let moved = moved_with_the_end_seen(found, truth, field);
     record_found(&mut recorded, &camera, found);
     let of_frame = |index: usize| {
         let frame = &recorded.frames[index];
@@ -129,10 +142,9 @@ pub fn worst_px(
             )
         });
         let apart = |pixel: ImagePoint| {
-            let on_field =
-                |at: &touchline::geometry::Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
+            let on_field = |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
             let ground = exact.plane_from_image(pixel, 0.0).filter(on_field)?;
-            Some(found.image_from_world(ground).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+            Some(found.image_from_world(ground + moved).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
         };
         let worst = pixels.filter_map(apart).fold(0.0, f64::max);
         Some((index, worst))
@@ -149,7 +161,9 @@ pub fn judged(
     let judge = |found: &UnclickedCamera| {
         let Some((truth, field)) = truth else { return (f64::INFINITY, "nothing is right".to_owned()) };
         let frames = worst_px(document, found, truth, field);
-        let off_m = truth.first().map_or(f64::NAN, |exact| (found.base.position_m - exact.base().position_m).norm());
+        let moved = moved_with_the_end_seen(found, truth, field);
+        let off = |exact: &PtzCamera| (found.base.position_m - exact.base().position_m - moved).norm();
+        let off_m = truth.first().map_or(f64::NAN, off);
         let worst = frames.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
         let says = format!(
             "{off_m:.2} m off (σ {:.2}), size {:+.2} {:+.2} m (σ {:?}), worst {:.1} px (frame {}), {} of {} frames answered, {} snapped, over: {}",

@@ -8,16 +8,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{
     Abstention, BulkChange, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedProgress, camera_from_few_clicks, camera_without_clicks, describe_size,
+    UnclickedProgress, describe_size,
 };
+use touchline_calibration::pipelines::{MatchOptions, find_camera};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Click, Document, FrameId, Step, Target};
-
-/// Frames that are looked at, spread over all of the camera.
-const LOOKED_AT: usize = 40;
 
 /// Fewer frames hardly show what is painted on the ground and what moves over it.
 const FEWEST: usize = 3;
@@ -96,12 +94,7 @@ impl Operation for CameraSearch {
         let mut picture = |index: usize| read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok();
         let at = self.document.at(&self.folder);
         let watch = |progress| context.report(progress);
-        // Two clicks save the search; with fewer nothing is looked at here.
-        let by_clicks = camera_from_few_clicks(at, &self.camera, LOOKED_AT, &mut picture, &watch)?;
-        if !matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
-            return Ok(by_clicks);
-        }
-        camera_without_clicks(at, &self.camera, LOOKED_AT, &mut picture, &watch)
+        find_camera(at, &self.camera, MatchOptions::default().sampled_frames, &mut picture, &watch)
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {

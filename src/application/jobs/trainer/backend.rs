@@ -7,19 +7,17 @@ use super::mailbox::TrainerMailbox;
 use super::watch::Watch;
 use crate::app::{Doing, Share, UnusableReference};
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_calibration::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
+use touchline_calibration::pipelines::{ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines};
 use touchline_calibration::proposals::{
-    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnError, LearnOptions, LineEvidence, NoProposal,
-    Proposal, Quality, Studied, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose,
-    study,
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
+    TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
 };
 use touchline_documents::document::{Document, Fields};
 use touchline_vision::media::FrameReader;
-use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped};
+use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, TrainProgress};
 
 /// The operations of the trainer. Long ones ask their watch whether to go on.
 pub(super) trait Backend {
@@ -120,16 +118,6 @@ impl ForestBackend {
             forest_refused: None,
         }
     }
-
-    fn study(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Studied> {
-        let pictures =
-            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let done = AtomicUsize::new(0);
-        study(&pictures, &mut self.reader, training_frames, &|| {
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            watch.tell(Doing::Features(Share { done, of: training_frames.len() }))
-        })
-    }
 }
 
 impl Backend for ForestBackend {
@@ -144,19 +132,11 @@ impl Backend for ForestBackend {
         training_set: &TrainingSet,
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, TrainerError> {
-        let Some(studied) = self.study(document, training_frames, watch) else { return Ok(None) };
-        let learnt = learn(document, &studied, &self.options, &|progress| {
-            watch.tell(Doing::Training(Share { done: progress.placed, of: progress.total }))
-        });
-        let mut model = match (learnt, studied.failed.first()) {
-            (Ok(model), _) => model,
-            (Err(LearnError::Stopped(Stopped::Asked)), _) => return Ok(None),
-            (Err(LearnError::Stopped(Stopped::NoSamples { .. })), Some((index, first))) => {
-                let frame = document.frames[*index].name();
-                return Err(TrainerError::NoneUsable { frame, first: first.clone() });
-            }
-            (Err(error), _) => return Err(error.into()),
-        };
+        let pictures =
+            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let report = |progress| watch.tell(doing_of(progress));
+        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &report)?;
+        let Some(LearntForest { mut model, studied }) = learnt else { return Ok(None) };
         self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
         let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
         let frame = |index: usize| document.frames[index].id.clone();
@@ -173,27 +153,18 @@ impl Backend for ForestBackend {
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal> {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
-        let at = document.at(&self.folder);
+        let forest = ForestRequest { model, generation, options: self.relocalizing.clone() };
         // A field that is not valid is named where the document is opened.
-        let evidence = LineEvidence::of(at, &mut self.reader, snapping).ok();
+        let evidence = LineEvidence::of(document.at(&self.folder), &mut self.reader, snapping).ok();
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {
             if watch(made.len()).is_break() {
                 break;
             }
-            let proposals = pictures.each(&mut self.reader, few, |index, _, found| {
-                let asked = || propose(document, index, found, (model, generation), &self.relocalizing);
-                ControlFlow::Continue(catch_unwind(AssertUnwindSafe(asked)).unwrap_or_else(|panic| {
-                    let message = super::super::panic_message(panic.as_ref());
-                    Proposal::without_answer(document, index, generation, NoProposal::Panicked { message })
-                }))
-            });
-            let mut proposals = proposals.unwrap_or_default();
-            if let Some(evidence) = &evidence {
-                let min_confidence = self.relocalizing.pose.min_confidence;
-                evidence.judge(at, &mut self.reader, &mut proposals, min_confidence);
-            }
+            let go_on = |_| ControlFlow::Continue(());
+            let evidence = evidence.as_ref();
+            let mut proposals = propose_on_lines(&pictures, &mut self.reader, few, &forest, evidence, &go_on);
             made.append(&mut proposals);
         }
         made
@@ -254,5 +225,15 @@ impl Backend for ForestBackend {
 
     fn folder(&self) -> &Path {
         &self.folder
+    }
+}
+
+/// What the trainer does while a forest learns, as the window shows it.
+fn doing_of(progress: LearningProgress) -> Doing {
+    match progress {
+        LearningProgress::Features { done, of } => Doing::Features(Share { done, of }),
+        LearningProgress::Training(TrainProgress { placed, total }) => {
+            Doing::Training(Share { done: placed, of: total })
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::kept_forest::KeptForestError;
 use thiserror::Error;
-use touchline_calibration::proposals::{LearnError, TrainingSampleError};
+use touchline_calibration::pipelines::LearnForestError;
 
 /// Why there is no forest of an earlier session, or cannot be a new one.
 #[derive(Debug, Error)]
@@ -10,15 +10,7 @@ pub(super) enum TrainerError {
     /// The forest of an earlier session is of no use.
     #[error("The stored forest is trained again: {0}")]
     Kept(#[from] KeptForestError),
-    /// No reference gives a training sample.
-    #[error("No reference can be used for training. {frame}: {first}")]
-    NoneUsable {
-        /// The name of the first of them.
-        frame: String,
-        /// Why that one does not.
-        first: TrainingSampleError,
-    },
     /// It cannot be trained.
     #[error(transparent)]
-    Learn(#[from] LearnError),
+    Learn(#[from] LearnForestError),
 }

@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
+use touchline_calibration::pipelines::LearnForestError;
 use touchline_calibration::proposals::{
     Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings,
     TrainingSet, UsedFeatures,
@@ -60,7 +61,8 @@ impl StandIn {
 }
 
 fn no_features() -> TrainerError {
-    LearnError::from(touchline_vision::relocalize::Stopped::NoSamples { frames: 1 }).into()
+    let stopped = touchline_vision::relocalize::Stopped::NoSamples { frames: 1 };
+    LearnForestError::from(LearnError::from(stopped)).into()
 }
 
 fn until_stopped(tell: &dyn Fn() -> ControlFlow<()>) {

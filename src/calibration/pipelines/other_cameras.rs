@@ -8,7 +8,7 @@ const FEWEST: usize = 6;
 
 /// Gives the frames `others` of a camera, and those between two of them, to a new camera of which nothing is known; none where
 /// they are too few. `looked_at` are the frames of the camera that was found.
-pub fn split_off(
+pub(super) fn split_off(
     document: &mut Document,
     camera: &CameraId,
     looked_at: &[usize],

@@ -1,0 +1,287 @@
+//! A match labelled without a click: from the pictures of its frames to a camera for each of them.
+//!
+//! 1. The camera is found from some frames, spread over all of them ([`find_camera`]).
+//! 2. Frames that overlap with none of its frames are another camera's, which is found in the same way, and so on.
+//! 3. The frames that were not looked at follow: those of a video are tracked from the others, and the base is refined on the paint of
+//!    all of them; images are asked of a forest that learns from those that lie on their paint.
+
+use super::forest_labels::{
+    ForestRequest, LearnForestError, LearningProgress, PictureFiles, label_frames, learn_forest,
+};
+use super::other_cameras::split_off;
+use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
+use crate::calibrate::{
+    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError, UnclickedProgress,
+    WatchUnclicked, camera_from_few_clicks, camera_without_clicks, clips, record_found,
+};
+use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use std::path::Path;
+use thiserror::Error;
+use touchline_core::field::FieldError;
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FrameStatus};
+use touchline_vision::media::ReadFrames;
+use touchline_vision::relocalize::RelocalizeOptions;
+
+/// How a match is labelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MatchOptions {
+    /// Each camera is found from this many frames at most. 40 by default.
+    pub sampled_frames: usize,
+    /// Whether the other frames are labelled, too. True by default.
+    pub label_the_rest: bool,
+}
+
+impl Default for MatchOptions {
+    fn default() -> Self {
+        Self { sampled_frames: 40, label_the_rest: true }
+    }
+}
+
+/// What happens while a match is labelled.
+#[derive(Clone, Copy, Debug)]
+pub enum MatchEvent<'a> {
+    /// The search for a camera has come so far.
+    Searching(UnclickedProgress),
+    /// The picture of a frame cannot be read. The others are looked at.
+    Unreadable(&'a Frame, &'a PictureError),
+    /// A camera was found.
+    Found {
+        /// Its name.
+        camera: &'a CameraId,
+        /// The camera.
+        found: &'a UnclickedCamera,
+        /// Of another camera than the first: how many of the frames looked at overlap with none of those before.
+        separate_frames: Option<usize>,
+    },
+    /// Another camera than the first was not found; its frames stay without.
+    OtherNotFound {
+        /// The document as it is now.
+        document: &'a Document,
+        /// The camera's name.
+        camera: &'a CameraId,
+        /// Why there is no answer.
+        why: &'a NoCamera,
+        /// How many of the frames looked at overlap with none of those of the cameras before.
+        separate_frames: usize,
+    },
+    /// A forest learns from the frames that were found.
+    Learning(LearningProgress),
+    /// It is asked for the other frames.
+    Asking {
+        /// Frames done.
+        done: usize,
+        /// Frames in all.
+        of: usize,
+    },
+    /// The other frames of a video are tracked.
+    Tracking(TrackingEvent<'a>),
+}
+
+/// Receives what happens, from any thread. A break ends the search, the learning, the asking or the tracking.
+pub type WatchMatch<'a> = &'a (dyn Fn(MatchEvent<'_>) -> ControlFlow<()> + Sync);
+
+/// What came of a match.
+#[derive(Debug)]
+pub enum MatchLabels {
+    /// Its frames have cameras.
+    Labelled(LabelledMatch),
+    /// No camera was found: the document is as it was.
+    NoCamera(NoCamera),
+}
+
+/// Why a search gave no camera.
+#[derive(Debug)]
+pub enum NoCamera {
+    /// Two cameras explain the paint alike.
+    Two {
+        /// The one that explains a little more.
+        best: Box<UnclickedCamera>,
+        /// The other.
+        other: Box<UnclickedCamera>,
+        /// A click that decides between the two.
+        deciding: Option<DecidingLandmark>,
+    },
+    /// No answer is certain.
+    Abstained(Abstention),
+}
+
+/// The cameras of a match that was labelled.
+#[derive(Debug)]
+pub struct LabelledMatch {
+    /// The cameras that were found.
+    pub cameras: Vec<UnclickedCamera>,
+    /// Frames that were not looked at and have a camera now.
+    pub answered: usize,
+    /// Frames that have none.
+    pub unanswered: usize,
+}
+
+/// Why a match could not be labelled.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LabelMatchError {
+    /// The search failed, or was ended.
+    #[error(transparent)]
+    Search(#[from] UnclickedError),
+    /// The field of a camera is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// No forest could be trained for the frames that were not looked at.
+    #[error(transparent)]
+    Learn(#[from] LearnForestError),
+}
+
+/// Finds a camera from the pictures of its frames. Two clicks or more on landmarks of the ground say where it stands, and save the
+/// search; without them, or where they lead nowhere, it is found by the paint alone.
+///
+/// # Errors
+/// The field is not valid, features cannot be found, or `watch` ended it.
+pub fn find_camera(
+    at: DocumentAt<'_>,
+    camera: &CameraId,
+    sampled_frames: usize,
+    picture: PictureOfFrame<'_>,
+    watch: WatchUnclicked<'_>,
+) -> Result<UnclickedAnswer, UnclickedError> {
+    let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, watch)?;
+    if matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
+        camera_without_clicks(at, camera, sampled_frames, picture, watch)
+    } else {
+        Ok(by_clicks)
+    }
+}
+
+/// Labels the frames of a document in which nothing is known: finds `camera`, whose frames they all are, and the other cameras among
+/// them, and writes the cameras of all frames as suggestions. `folder` is where the document's paths start.
+///
+/// # Errors
+/// The field is not valid, features cannot be found, no forest can be trained, or `watch` ended the search.
+pub fn label_match(
+    document: &mut Document,
+    folder: &Path,
+    camera: &CameraId,
+    reader: &mut dyn ReadFrames,
+    options: &MatchOptions,
+    watch: WatchMatch<'_>,
+) -> Result<MatchLabels, LabelMatchError> {
+    let mut labelling = Labelling { document, folder, reader, options, watch };
+    let first = match labelling.search(camera)? {
+        Ok(found) => found,
+        Err(why) => return Ok(MatchLabels::NoCamera(why)),
+    };
+    record_found(labelling.document, camera, &first);
+    // A search that is over is not ended any more.
+    let _ = watch(MatchEvent::Found { camera, found: &first, separate_frames: None });
+    let cameras = labelling.find_other_cameras(camera.clone(), first)?;
+    let without = |document: &Document| document.frames.iter().filter(|frame| frame.ptz.is_none()).count();
+    let open = without(labelling.document);
+    if options.label_the_rest && open > 0 {
+        labelling.label_the_rest(&cameras)?;
+    }
+    let unanswered = without(labelling.document);
+    Ok(MatchLabels::Labelled(LabelledMatch { cameras, answered: open - unanswered, unanswered }))
+}
+
+/// A match while it is labelled.
+struct Labelling<'a> {
+    document: &'a mut Document,
+    folder: &'a Path,
+    reader: &'a mut dyn ReadFrames,
+    options: &'a MatchOptions,
+    watch: WatchMatch<'a>,
+}
+
+impl Labelling<'_> {
+    /// Searches a camera; reports each picture that cannot be read once.
+    fn search(&mut self, camera: &CameraId) -> Result<Result<UnclickedCamera, NoCamera>, UnclickedError> {
+        let at = self.document.at(self.folder);
+        let mut unreadable = BTreeSet::new();
+        let mut picture = |index: usize| {
+            let frame = &at.document.frames[index];
+            match read_picture(&mut *self.reader, frame, at.folder) {
+                Ok(picture) => Some(picture),
+                Err(error) => {
+                    if unreadable.insert(index) {
+                        let _ = (self.watch)(MatchEvent::Unreadable(frame, &error));
+                    }
+                    None
+                }
+            }
+        };
+        let watch = |progress| (self.watch)(MatchEvent::Searching(progress));
+        Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &watch)? {
+            UnclickedAnswer::Found(found) => Ok(*found),
+            UnclickedAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
+            UnclickedAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
+        })
+    }
+
+    /// The camera that was found, and those of the frames that overlap with none of its frames: each becomes a camera of its own, with
+    /// a search of its own.
+    fn find_other_cameras(
+        &mut self,
+        camera: CameraId,
+        first: UnclickedCamera,
+    ) -> Result<Vec<UnclickedCamera>, UnclickedError> {
+        let (mut found, mut of) = (vec![first], camera);
+        while let Some(last) = found.last() {
+            let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
+            let Some(other) = split_off(self.document, &of, &sampled, &last.others) else { break };
+            let separate_frames = last.others.len();
+            match self.search(&other)? {
+                Ok(camera) => {
+                    record_found(self.document, &other, &camera);
+                    let separate_frames = Some(separate_frames);
+                    let _ = (self.watch)(MatchEvent::Found { camera: &other, found: &camera, separate_frames });
+                    found.push(camera);
+                    of = other;
+                }
+                Err(why) => {
+                    let (document, camera, why) = (&*self.document, &other, &why);
+                    let _ = (self.watch)(MatchEvent::OtherNotFound { document, camera, why, separate_frames });
+                    break;
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Labels the frames that have no camera yet, from those of the cameras found.
+    fn label_the_rest(&mut self, found: &[UnclickedCamera]) -> Result<(), LabelMatchError> {
+        if self.document.frames.iter().all(|frame| frame.video.is_none()) {
+            return self.label_by_forest(found);
+        }
+        let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
+        let clips = clips(self.document.at(self.folder), None);
+        let mut watch = |event: TrackingEvent<'_>| (self.watch)(MatchEvent::Tracking(event));
+        track_clips(self.document, self.folder, &clips, self.reader, &options, &mut Vec::new(), &mut watch)?;
+        Ok(())
+    }
+
+    /// Asks a forest. It learns from the frames that lie on their own paint, as if a person had accepted them; the document keeps them
+    /// as suggestions.
+    fn label_by_forest(&mut self, found: &[UnclickedCamera]) -> Result<(), LabelMatchError> {
+        let frames = found.iter().flat_map(|found| &found.frames);
+        let mut on_paint: Vec<usize> =
+            frames.filter(|frame| frame.snapped.is_some()).map(|frame| frame.index).collect();
+        on_paint.sort_unstable();
+        let mut accepted = self.document.clone();
+        for &index in &on_paint {
+            accepted.frames[index].status = FrameStatus::Reference;
+        }
+        let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
+        let pictures =
+            FramePictures { document: &accepted, folder: self.folder, options: options.features, store: &store };
+        let report = |progress| (self.watch)(MatchEvent::Learning(progress));
+        let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &report)? else { return Ok(()) };
+        let asked: Vec<usize> =
+            (0..self.document.frames.len()).filter(|&index| self.document.frames[index].ptz.is_none()).collect();
+        let forest = ForestRequest { model: &learnt.model, generation: 0, options: RelocalizeOptions::default() };
+        let files = PictureFiles { folder: self.folder, store: &store };
+        let report = |done| (self.watch)(MatchEvent::Asking { done, of: asked.len() });
+        label_frames(self.document, files, self.reader, &asked, &forest, true, &report)?;
+        Ok(())
+    }
+}

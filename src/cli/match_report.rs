@@ -1,0 +1,144 @@
+//! What is said while a match is labelled: a bar for each step, and what was found in words.
+
+use super::messages::Messages;
+use super::track::TrackingReport;
+use indicatif::ProgressBar;
+use std::sync::{Mutex, PoisonError};
+use touchline_calibration::calibrate::{DecidingLandmark, UnclickedCamera, describe_size};
+use touchline_calibration::pipelines::{LearningProgress, MatchEvent, NoCamera};
+use touchline_documents::document::Document;
+
+/// The bar of a search has as many parts, whatever its steps count.
+const PARTS: usize = 1000;
+
+/// Says what happens while a match is labelled. Events come from any thread.
+pub struct MatchReport {
+    messages: Messages,
+    shown: Mutex<Shown>,
+}
+
+/// What is on the screen.
+struct Shown {
+    /// The bar of a step, by the words that it began with.
+    bar: Option<(&'static str, ProgressBar)>,
+    tracking: TrackingReport,
+}
+
+impl MatchReport {
+    /// Nothing has been said yet.
+    pub const fn new(messages: Messages) -> Self {
+        Self { messages, shown: Mutex::new(Shown { bar: None, tracking: TrackingReport::new(messages) }) }
+    }
+
+    /// Says what happened.
+    pub fn hear(&self, event: MatchEvent<'_>) {
+        let messages = self.messages;
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        match event {
+            MatchEvent::Searching(progress) => {
+                let bar = shown.bar_of(messages, "Finding the camera", PARTS);
+                bar.set_message(progress.to_string());
+                bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
+            }
+            MatchEvent::Unreadable(frame, error) => messages.frame_failed(&frame.name(), &error.to_string()),
+            MatchEvent::Found { camera, found, separate_frames } => {
+                shown.clear();
+                if let Some(count) = separate_frames {
+                    messages.note(&format!("{count} frames are of another camera, {camera}:"));
+                }
+                describe_found(found, messages);
+            }
+            MatchEvent::OtherNotFound { document, camera, why, separate_frames } => {
+                shown.clear();
+                let why = describe_no_camera(document, why);
+                messages.note(&format!("{separate_frames} frames are of another camera, {camera}: {why}"));
+            }
+            MatchEvent::Learning(LearningProgress::Features { done, of }) => {
+                shown.bar_of(messages, "Learning from the frames found", of).set_position(done as u64);
+            }
+            MatchEvent::Learning(LearningProgress::Training(_)) => {}
+            MatchEvent::Asking { done, of } => {
+                shown.bar_of(messages, "Asking for the other frames", of).set_position(done as u64);
+            }
+            MatchEvent::Tracking(event) => {
+                shown.clear();
+                shown.tracking.hear(event);
+            }
+        }
+    }
+}
+
+impl Shown {
+    /// The bar of a step; that of the step before goes.
+    fn bar_of(&mut self, messages: Messages, what: &'static str, count: usize) -> &ProgressBar {
+        if self.bar.as_ref().is_some_and(|(shown, _)| *shown != what) {
+            self.clear();
+        }
+        &self.bar.get_or_insert_with(|| (what, messages.progress(count, what))).1
+    }
+
+    fn clear(&mut self) {
+        if let Some((_, bar)) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// Why no camera is given, in words.
+pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
+    match why {
+        NoCamera::Two { best, other, deciding } => two_answers(document, best, other, deciding.as_ref()),
+        NoCamera::Abstained(why) => why.to_string(),
+    }
+}
+
+/// Two answers in words, and the click that decides between them.
+fn two_answers(
+    document: &Document,
+    best: &UnclickedCamera,
+    other: &UnclickedCamera,
+    deciding: Option<&DecidingLandmark>,
+) -> String {
+    let at = |found: &UnclickedCamera| {
+        let at = found.base.position_m;
+        format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
+    };
+    let click = deciding.map_or_else(
+        || "click 4 landmarks on 2 frames".to_owned(),
+        |deciding| {
+            let frame = document.frames[deciding.frame].name();
+            let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            format!("one click decides: {} on {frame} is at {here} or at {there} px", deciding.landmark.as_str())
+        },
+    );
+    format!("two places for the camera explain the paint, {} and {}, so none is given; {click}", at(best), at(other))
+}
+
+/// What was found and what speaks for it.
+fn describe_found(found: &UnclickedCamera, messages: Messages) {
+    for size in &found.sizes {
+        messages.note(&describe_size(size));
+    }
+    let (at, sigma, evidence) = (found.base.position_m, found.base.sigma.position_m, &found.evidence);
+    messages.note(&format!(
+        "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
+        at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
+    ));
+    messages.note(&format!(
+        "{} frames; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
+         one, paint {:.2} px off its lines, parts of the frames {:.2} m apart",
+        evidence.frames,
+        100.0 * evidence.explained,
+        100.0 * evidence.visible,
+        evidence.lines.len(),
+        100.0 * evidence.rival / evidence.score(),
+        evidence.residual_px,
+        evidence.parts_m,
+    ));
+}
