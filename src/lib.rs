@@ -16,6 +16,7 @@
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
 //! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
 //! | a clip: known frames carried to all others | [`calibrate::track_clip`] |
+//! | a whole match, from its pictures to its labels | [`pipelines::label_match`] |
 //! | two documents compared | [`evaluate::evaluate`], [`score`] |
 //!
 //! Results are plain values that serde writes; their keys carry the units. Options are structs with documented defaults, made
