@@ -1,4 +1,27 @@
 //! Graphics that are burnt into the pictures of a camera: their features, and the boxes that hold them.
+//!
+//! # Problem
+//!
+//! A score bug, a watermark or a black box lies at the same pixels whatever the camera does. Its features agree perfectly with each other and
+//! outvote the stadium: a forest learns them, a pose is found from them, a clip seems to stand still. They have to be found without knowing
+//! the camera, and without taking a camera that stands still for a graphic.
+//!
+//! # Method
+//!
+//! Two ways see two kinds of graphic, and `proposals::find_burnt_in` joins them.
+//!
+//! * **By features** (this file, `standing.rs`): a pair of pictures tells something only if the rest of the picture moved between them. Features
+//!   that look alike at the same place in such a pair stand still. Those of all pairs are counted in cells of 48 px; cells in which
+//!   features stand in enough pictures are joined to boxes. A single box has to hold six features.
+//! * **By edges** (`standing_edges.rs`): an edge that has the same place and direction in all pictures. What counts at a pixel is how far the mean of its
+//!   slopes is from zero, in standard errors, so that a faint watermark over a changing background shows after enough pictures. Windows of 32, 16 and 8
+//!   neighbouring pictures find what is shown for a while. Upright and level edges count apart, since level edges of boards stand
+//!   while a camera pans. Whether the camera moved is said by blocks that are found elsewhere (`displaced.rs`), or by known cameras.
+//!
+//! # What it is proof against
+//!
+//! A still camera (what stands in 30 % of the places that have features is the picture), boards that a slow pan moves along themselves, letters
+//! that change within a ticker (its rim is found), a crowd by chance. It needs two pictures between which the camera moved; else nothing is reported.
 
 use super::Features;
 use super::standing::{Placed, standing_pair};

@@ -1,4 +1,30 @@
-//! Snapping: pan, tilt and focal length pulled onto the painted lines, or the reason why not.
+//! A camera aligned to the painted lines of one picture, or the reason why not. Users know it as *snapping*.
+//!
+//! # Problem
+//!
+//! A base is known, and a camera that is right within some 50 px. Find pan, tilt and focal length that put the field's lines on their paint, and
+//! refuse wherever the paint does not decide: a wrong camera that is sure of itself costs more than none.
+//!
+//! # Method
+//!
+//! 1. **Sightings** (`sightings.rs`): the field's lines are sampled as the camera predicts them, and the picture is searched across each sample for
+//!    ridges of paint: narrow, brighter than the ground on both sides, of no other colour.
+//! 2. **Likely steps** (`search.rs`): the changes of the camera within reach that bring many ridges onto their lines, found by voting.
+//!    Several are kept, because a parallel line may be as near as the right one.
+//! 3. **Alignment** (`alignment.rs`) from each: Gauss–Newton on distances across the lines, with Geman–McClure weights whose scale
+//!    shrinks. Search and alignment are repeated with a smaller reach: 48, 16 and 8 px at 1920 px width.
+//! 4. **Acceptance**. The best fit is refused where another one 10 px away has 90 % of its agreement (ambiguous); where fewer than
+//!    40 samples show paint; where two halves of the samples give cameras more than 1.5 px apart; where a click is left by more than 6 σ; where
+//!    paint and clicks leave the worst corner open by more than 8 px; and where the line check (`check.rs`), which looks at the picture afresh, gives
+//!    it a probability below 0.8.
+//!
+//! The covariance takes 0.5 px for a ridge and 0.16 px for all ridges of one line alike (paint is not where the rules put it), and adds the
+//! base's own.
+//!
+//! # What it is proof against
+//!
+//! Parallel lines, boards, second sets of lines on a training ground, shadows, players. It is not proof against a base that is wrong in a way that pan and
+//! tilt can make up for in one picture; `calibrate::estimate_on_paint` adjusts base and frames together for that.
 
 use super::alignment::{ClickAlignment, LinearisedCamera, RidgeAlignment, StepPx, sample_sigmas_px};
 use super::check::{check_lines, halves_apart_px, overlays_apart_px};

@@ -1,9 +1,36 @@
-//! The mistakes that people make with names: two landmarks swapped, the mirrored end or side, a neighbouring line or
-//! landmark, one part of the field for another.
+//! The mistakes that people make with names: two landmarks swapped, the mirrored end or side, a neighbouring line or landmark, one
+//! part of the field for another.
 //!
-//! Every explanation is a set of clicks with some names changed. It counts as the truth where the clicks contradict each
-//! other as named and fit when renamed; where a few clicks fit both ways, what the camera usually does decides, and where
-//! that is not known either, both are shown.
+//! # Problem
+//!
+//! A frame's clicks were solved. They may be exact and their names wrong. Three equations are needed for a camera, so two points leave
+//! one surplus equation, and a wrong name often fits nearly as well as the right one. Find other names that explain the clicks better, and say
+//! what speaks for them.
+//!
+//! # Method
+//!
+//! An explanation is a *hypothesis*: the clicks with some names changed. Each is solved and scored by χ² of its clicks, plus χ² of how far its
+//! camera is from what the camera usually does (the motion prior), plus a penalty for each changed name. `hypotheses.rs` makes them, in this order:
+//!
+//! 1. From five clicks on, the camera of the majority is found by a robust loss; the clicks that contradict it get the nearest fitting
+//!    names, and the oddest four are swapped pairwise.
+//! 2. All names of the mirrored field, for each of its symmetries.
+//! 3. Up to six clicks: every swap, and every click left out and renamed by the camera of the others.
+//! 4. A whole part for another (goal area for penalty area), a line for a parallel one.
+//!
+//! A hypothesis counts as the truth if the clicks contradict each other as named (misfit of 2 and more), fit when renamed (misfit below 2), and
+//! χ² falls by 25 and to a quarter. With an imperfect base nothing fits that well; then χ² has to fall to a sixteenth.
+//!
+//! # What is said
+//!
+//! * [`Evidence::Clicks`]: the clicks contradict each other as named.
+//! * [`Evidence::MotionPrior`]: both fit, and as named the camera does what it never does.
+//! * [`Evidence::None`]: both fit and nothing decides. Both are shown, unless frames before and after have decided already.
+//!
+//! # What it is proof against
+//!
+//! A frame of many clicks that fit is left alone, which takes no time. It is not proof against a set of wrong names that agree
+//! with each other and with the motion of the camera; `calibrate::disagreements` compares frames for that.
 
 mod hypotheses;
 
