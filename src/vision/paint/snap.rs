@@ -9,7 +9,7 @@
 //!
 //! 1. **Sightings** (`sightings.rs`): the field's lines are sampled as the camera predicts them, and the picture is searched across each sample for
 //!    ridges of paint: narrow, brighter than the ground on both sides, of no other colour.
-//! 2. **Likely steps** (`search.rs`): the changes of the camera within reach that bring many ridges onto their lines, found by voting.
+//! 2. **Likely steps** (`search.rs`): every change of the camera within reach is judged by how many samples then find a ridge.
 //!    Several are kept, because a parallel line may be as near as the right one.
 //! 3. **Alignment** (`alignment.rs`) from each: Gauss–Newton on distances across the lines, with Geman–McClure weights whose scale
 //!    shrinks. Search and alignment are repeated with a smaller reach: 48, 16 and 8 px at 1920 px width.
