@@ -24,18 +24,11 @@ pub enum Effect {
     Journal {
         /// What changed.
         edit: Box<Edit>,
-        /// The document's revision with it.
-        revision: u64,
+        /// The document with it.
+        to: Box<Snapshot>,
     },
-    /// Give the saver the whole document in place of what it knows.
-    JournalWhole {
-        /// The document.
-        document: Box<Document>,
-        /// What can be undone and redone in it.
-        history: Box<History<Document>>,
-        /// Its revision.
-        revision: u64,
-    },
+    /// Write the document now: the journal alone does not tell what can be undone and redone in it.
+    WriteDocument,
     /// Write the document: the saver has every edit already.
     Save {
         /// Counts these, so that the answer is known from an earlier write.
@@ -75,6 +68,17 @@ pub enum Effect {
     SaveSettings,
     /// Everything is on disk: close the window.
     Close,
+}
+
+/// A document at one moment, as it is to be written. What it holds is shared with the document that is open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// The document.
+    pub document: Document,
+    /// What can be undone and redone in it.
+    pub history: History<Document>,
+    /// Counts the edits of a session: this is the document after the edit of this number.
+    pub revision: u64,
 }
 
 /// What is opened.

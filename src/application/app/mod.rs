@@ -53,7 +53,7 @@ pub use command::Command;
 pub use command_kind::CommandKind;
 pub use current::Current;
 pub use derived::{FrameCounts, GoldWork};
-pub use effect::{Effect, Opening, OrphanOrder};
+pub use effect::{Effect, Opening, OrphanOrder, Snapshot};
 pub use keymap::{Chord, ChordError, Keymap};
 pub use menu_group::MenuGroup;
 pub use open_project::OpenProject;

@@ -2,6 +2,7 @@
 
 use super::Versioned;
 use super::derived::{Derived, FrameCounts};
+use super::effect::Snapshot;
 use super::prepared::Prepared;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -103,6 +104,12 @@ impl OpenProject {
         let edit = self.journalled.settle(self.document.keeping_version(), name)?.of_kind(kind);
         self.revision += 1;
         Some(edit)
+    }
+
+    /// The document as the journal has it, with its history.
+    pub(super) fn snapshot(&self) -> Snapshot {
+        let (document, history) = (self.journalled.shown().clone(), self.history.committed());
+        Snapshot { document, history, revision: self.revision }
     }
 
     /// Takes in what forests answered, to be journalled; none if nothing new is seen. Answers of an older forest than the last

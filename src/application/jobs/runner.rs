@@ -8,7 +8,7 @@ use super::{
 };
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
-use crate::app::{Action, DiskReport, Effect, Opening, OrphanOrder, Question, ViewAction};
+use crate::app::{Action, DiskReport, Effect, Opening, OrphanOrder, Question, Snapshot, ViewAction};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -132,15 +132,13 @@ impl Runner {
                     trainer.tell(order);
                 }
             }
-            Effect::Journal { edit, revision } => match &self.saver {
-                Some(saver) => saver.edit(*edit, revision),
+            Effect::Journal { edit, to } => match &self.saver {
+                Some(saver) => saver.edit(*edit, *to),
                 None => {
                     self.reports.push(Action::Disk(DiskReport::SaveFailed("nothing is open for writing".to_owned())));
                 }
             },
-            Effect::JournalWhole { document, history, revision } => {
-                self.tell_saver(|saver| saver.whole(*document, *history, revision));
-            }
+            Effect::WriteDocument => self.tell_saver(Saver::write),
             Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
             Effect::SaveOver => self.tell_saver(Saver::save_over),
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
@@ -223,10 +221,6 @@ impl Runner {
             Action::Disk(DiskReport::ChangedOutside { path, own: Some(own) }) => {
                 Some(Action::View(ViewAction::Notify(Level::Warning, kept_own(&path, &own))))
             }
-            // There was no time to give it the document.
-            Action::Disk(DiskReport::WholeWanted) => {
-                Some(Action::Disk(DiskReport::SaveFailed("the last edits do not fit what was saved before".to_owned())))
-            }
             _ => None,
         };
         let reports = self.saver.take().map(Saver::close).unwrap_or_default();
@@ -277,8 +271,9 @@ impl Runner {
     fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
             let (document, history) = (ready.opened.document().clone(), ready.opened.history.clone());
+            let opened = Snapshot { document, history, revision: 0 };
             let held = store.location().clone();
-            let saver = Saver::start(store, document, history, SaverOptions::default(), self.wake.clone());
+            let saver = Saver::start(store, opened, SaverOptions::default(), self.wake.clone());
             self.saver = Some(saver.map_err(|source| JobError::NoThread { what: "saving".to_owned(), source })?);
             self.held = Some(held);
             self.start_trainer(ready.opened.file.clone());
@@ -380,7 +375,6 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
         SaverReport::Failed { error, .. } => vec![Action::Disk(DiskReport::SaveFailed(error.to_string()))],
         SaverReport::ChangedOutside { path, own } => vec![Action::Disk(DiskReport::ChangedOutside { path, own })],
         SaverReport::Outside(outside) => vec![Action::Disk(DiskReport::Outside(outside))],
-        SaverReport::NeedsWhole => vec![Action::Disk(DiskReport::WholeWanted)],
         SaverReport::Broken { message } => {
             vec![Action::Disk(DiskReport::SaveFailed(format!("saving failed: {message}")))]
         }

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
+use touchline_application::app::Snapshot;
 use touchline_application::jobs::{Saver, SaverOptions, SaverReport};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_documents::document::{Click, Document, Edit, FieldSpec, Frame, History};
@@ -352,7 +353,11 @@ fn a_journal_that_was_deleted_is_made_again_by_saving() {
 }
 
 fn saver(store: Store, document: &Document, options: SaverOptions) -> Saver {
-    Saver::start(store, document.clone(), History::default(), options, Arc::new(|| {})).unwrap()
+    Saver::start(store, snapshot(document, 0), options, Arc::new(|| {})).unwrap()
+}
+
+fn snapshot(document: &Document, revision: u64) -> Snapshot {
+    Snapshot { document: document.clone(), history: History::default(), revision }
 }
 
 /// Waits for a report that `wanted` picks out; a minute without it is a failure.
@@ -380,7 +385,7 @@ fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
     for revision in 1..=count {
         let mut after = document.clone();
         after.frames[revision % 4].clicks.push(Click::unnamed(ImagePoint::new(revision as f64, 1.0)));
-        saver.edit(Edit::between(&document, &after, "Click"), revision as u64);
+        saver.edit(Edit::between(&document, &after, "Click"), snapshot(&after, revision as u64));
         document = after;
         if revision == 10 {
             wait_for(&saver, journaled(10));
@@ -402,7 +407,7 @@ fn the_saver_writes_the_document_from_time_to_time_and_on_request() {
     let saver = saver(project.store, &document, options);
     let mut after = document.clone();
     after.frames[0].comment = Some("rain".to_owned());
-    saver.edit(Edit::between(&document, &after, "Comment"), 1);
+    saver.edit(Edit::between(&document, &after, "Comment"), snapshot(&after, 1));
     let saved = |report: &SaverReport| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(());
     wait_for(&saver, saved);
     assert!(fs::read_to_string(path.join("project.json")).unwrap().contains("\"rain\""));
@@ -421,7 +426,7 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
     fs::rename(&path, &away).unwrap();
     let mut after = document.clone();
     after.frames[0].comment = Some("kept".to_owned());
-    saver.edit(Edit::between(&document, &after, "Comment"), 1);
+    saver.edit(Edit::between(&document, &after, "Comment"), snapshot(&after, 1));
     let message = wait_for(&saver, |report| match report {
         SaverReport::Failed { error, .. } => Some(error.to_string()),
         _ => None,
@@ -434,7 +439,7 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
 }
 
 #[test]
-fn an_edit_that_does_not_fit_makes_the_saver_ask_for_the_whole_document() {
+fn the_document_that_an_edit_led_to_is_journalled_even_where_the_edit_does_not_fit() {
     let (_folder, path) = new_project(2);
     let (project, start) = opened(&path);
     let saver = saver(project.store, &start, SaverOptions::default());
@@ -442,13 +447,12 @@ fn an_edit_that_does_not_fit_makes_the_saver_ask_for_the_whole_document() {
     let mut after = more.clone();
     after.frames[4].comment = Some("fifth".to_owned());
     // The saver knows two frames only.
-    saver.edit(Edit::between(&more, &after, "Comment"), 1);
-    wait_for(&saver, |report| matches!(report, SaverReport::NeedsWhole).then_some(()));
-    assert_eq!(read(&path).unwrap().1.frames.len(), 2, "nothing is written that is not the user's");
+    saver.edit(Edit::between(&more, &after, "Comment"), snapshot(&after, 1));
+    wait_for(&saver, journaled(1));
+    assert_eq!(read(&path).unwrap().1.frames, after.frames, "the journal leads there");
     let mut last = after.clone();
     last.frames[0].comment = Some("first".to_owned());
-    saver.whole(after.clone(), History::default(), 1);
-    saver.edit(Edit::between(&after, &last, "Comment"), 2);
+    saver.edit(Edit::between(&after, &last, "Comment"), snapshot(&last, 2));
     wait_for(&saver, journaled(2));
     drop(saver);
     assert_eq!(opened(&path).1.frames, last.frames);

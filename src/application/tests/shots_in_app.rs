@@ -185,12 +185,13 @@ fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
     let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
     let effects = app.update(ended(&search.unwrap(), Ok(found)));
     assert_eq!(starts(&app), [0, 10]);
-    let whole = effects.iter().find_map(|effect| match effect {
-        Effect::JournalWhole { document, history, .. } => Some((document, history)),
+    let given = effects.iter().find_map(|effect| match effect {
+        Effect::Journal { to, .. } => Some((&to.document, &to.history)),
         _ => None,
     });
-    let (document, history) = whole.expect("the saver is given the history as it is now");
-    assert_eq!((&**document, &**history), (&*app.open().unwrap().document, &app.open().unwrap().history));
+    let given = given.expect("the saver is given the history as it is now");
+    assert_eq!(given, (&*app.open().unwrap().document, &app.open().unwrap().history));
+    assert!(effects.contains(&Effect::WriteDocument), "and writes it");
     app.update(Action::Command(Command::Redo));
     assert_eq!(app.frame().unwrap().comment.as_deref(), Some("undone"), "redo stays");
     for comment in [Some("mine"), None] {

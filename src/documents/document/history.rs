@@ -4,8 +4,8 @@
 //! that changed nothing is none.
 
 use super::{Document, EditKind, FrameId};
+use imbl::Vector;
 use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
 
 /// What a person did, as undo names it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -48,13 +48,14 @@ impl Undoable for Document {
 }
 
 /// The steps that can be undone and redone. Values are whole: what they share (`Arc` inside) is what keeps them small.
+/// The steps themselves are persistent vectors, so that a copy for whoever writes them costs nothing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct History<T> {
+pub struct History<T: Clone> {
     limit: usize,
     /// Oldest first; each with the value before the step.
-    pub(super) done: VecDeque<(Step, T)>,
+    pub(super) done: Vector<(Step, T)>,
     /// Oldest last; each with the value after the step.
-    pub(super) undone: Vec<(Step, T)>,
+    pub(super) undone: Vector<(Step, T)>,
     open: Option<Transaction<T>>,
 }
 
@@ -68,20 +69,20 @@ struct Transaction<T> {
     resumed_at: Option<T>,
 }
 
-impl<T> Default for History<T> {
+impl<T: Clone> Default for History<T> {
     fn default() -> Self {
         Self::new(Self::DEFAULT_LIMIT)
     }
 }
 
-impl<T> History<T> {
+impl<T: Clone> History<T> {
     /// How many steps are kept unless somebody says otherwise: what a step keeps does not grow with the document.
     pub const DEFAULT_LIMIT: usize = 500;
 
     /// A history that keeps at most `limit` steps; the oldest are forgotten.
     #[must_use]
-    pub const fn new(limit: usize) -> Self {
-        Self { limit, done: VecDeque::new(), undone: Vec::new(), open: None }
+    pub fn new(limit: usize) -> Self {
+        Self { limit, done: Vector::new(), undone: Vector::new(), open: None }
     }
 
     /// Whether a transaction is open.
@@ -121,15 +122,12 @@ impl<T> History<T> {
     /// The step that redo would do again.
     #[must_use]
     pub fn next_redo(&self) -> Option<&Step> {
-        self.undone.last().map(|(step, _)| step)
+        self.undone.back().map(|(step, _)| step)
     }
 
     /// The steps without the open transaction: what is kept of them where only whole steps are.
     #[must_use]
-    pub fn committed(&self) -> Self
-    where
-        T: Clone,
-    {
+    pub fn committed(&self) -> Self {
         Self { limit: self.limit, done: self.done.clone(), undone: self.undone.clone(), open: None }
     }
 
@@ -194,14 +192,14 @@ impl<T: Undoable> History<T> {
         self.commit(current);
         let (step, before) = self.done.pop_back()?;
         let after = std::mem::replace(current, before);
-        self.undone.push((step.clone(), after));
+        self.undone.push_back((step.clone(), after));
         Some(step)
     }
 
     /// Does the last undone step again and says which; after an open transaction that changed something there is none.
     pub fn redo(&mut self, current: &mut T) -> Option<Step> {
         self.commit(current);
-        let (step, after) = self.undone.pop()?;
+        let (step, after) = self.undone.pop_back()?;
         let before = std::mem::replace(current, after);
         self.done.push_back((step.clone(), before));
         Some(step)

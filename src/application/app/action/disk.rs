@@ -36,8 +36,6 @@ pub enum DiskReport {
     },
     /// Edits are only in memory.
     SaveFailed(String),
-    /// The saver lost track of the document and has to be given all of it.
-    WholeWanted,
     /// Another program changed the document.
     ChangedOutside {
         /// Its file.

@@ -2,7 +2,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::session::Level;
-use crate::app::{App, Command};
+use crate::app::{App, Command, Effect};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
@@ -232,7 +232,7 @@ impl App {
         let step = Step::on_document(name.clone());
         if open.mark_shots(shots, step, search.num_below) {
             self.journal(&name, EditKind::NoStep);
-            self.journal_whole();
+            self.effects.push(Effect::WriteDocument);
         } else {
             self.journal(&name, EditKind::Step { frame: None });
         }

@@ -124,7 +124,6 @@ impl App {
                 self.session.disk.copies.written = self.session.disk.copies.begun.take();
                 self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
             }
-            DiskReport::WholeWanted => self.journal_whole(),
             DiskReport::ChangedOutside { path, own } => self.changed_outside(path, own),
             DiskReport::Outside(outside) => self.merge_outside(&outside),
             DiskReport::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),

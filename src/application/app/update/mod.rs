@@ -38,7 +38,7 @@ use super::session::{Dialog, Level, Mode, Saving};
 use super::{App, OpenProject, Settings};
 use touchline_calibration::calibrate::{CalibrationError, record_outcome};
 use touchline_core::solve::FrameSolution;
-use touchline_documents::document::{EditKind, Frame, FrameStatus, Frames, Step};
+use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, Step};
 
 impl App {
     /// An application with nothing open.
@@ -205,22 +205,20 @@ impl App {
         self.clamp_selection();
     }
 
-    /// Gives the saver the document with its history in place of what it knows.
-    pub(in crate::app) fn journal_whole(&mut self) {
-        let Some(open) = &self.open else { return };
-        let document = Box::new(open.journalled.shown().clone());
-        let history = Box::new(open.history.committed());
-        self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
-    }
-
     /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
     pub(in crate::app) fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
         if let Some(edit) = open.take_edit(name, kind) {
-            if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
-                self.session.disk.saving = Saving::Pending;
-            }
-            self.effects.push(Effect::Journal { edit: Box::new(edit), revision: open.revision });
+            self.journal_edit(edit);
+        }
+    }
+
+    /// Passes an edit to the journal that the open document has taken in.
+    fn journal_edit(&mut self, edit: Edit) {
+        let Some(open) = &self.open else { return };
+        self.effects.push(Effect::Journal { edit: Box::new(edit), to: Box::new(open.snapshot()) });
+        if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
+            self.session.disk.saving = Saving::Pending;
         }
     }
 

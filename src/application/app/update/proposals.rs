@@ -1,18 +1,16 @@
 //! Proposals of the forest, and which of them are outdated.
 
 use super::App;
-use crate::app::effect::Effect;
-use crate::app::session::{Level, Saving};
+use crate::app::session::Level;
 use touchline_calibration::calibrate::follow_all_bases;
 use touchline_calibration::proposals::{CarriedProposal, NoProposal, Proposal};
-use touchline_documents::document::Edit;
 
 impl App {
     /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
         let Some(edit) = open.take_proposals(proposals) else { return };
-        self.journal_suggested(edit);
+        self.journal_edit(edit);
         let mistake = proposals.iter().find_map(|proposal| match &proposal.outcome {
             Err(mistake @ NoProposal::Panicked { .. }) => Some(mistake.to_string()),
             _ => None,
@@ -26,15 +24,7 @@ impl App {
     pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) {
         let open = self.open.as_mut().filter(|open| open.read_only.is_none());
         if let Some(edit) = open.and_then(|open| open.take_carried(carried)) {
-            self.journal_suggested(edit);
-        }
-    }
-
-    fn journal_suggested(&mut self, edit: Edit) {
-        let Some(open) = &self.open else { return };
-        self.effects.push(Effect::Journal { edit: Box::new(edit), revision: open.revision });
-        if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
-            self.session.disk.saving = Saving::Pending;
+            self.journal_edit(edit);
         }
     }
 

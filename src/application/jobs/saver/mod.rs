@@ -1,17 +1,19 @@
 //! The thread that journals edits and writes documents.
 //!
 //! Every edit is flushed to disk before it is acknowledged; the document itself is written from time to time, on request
-//! and at closing. When the disk refuses, edits stay in memory, the refusal is reported, and the saver tries again. An edit
-//! that does not fit what the saver knows makes it ask for the whole document.
+//! and at closing. When the disk refuses, edits stay in memory, the refusal is reported, and the saver tries again.
+//!
+//! With every edit comes the document that it led to, with what can be undone and redone in it: the saver writes what it is given.
 
 mod work;
 
 use self::work::Work;
 use super::Wake;
 use super::worker::{Mailbox, Worker};
+use crate::app::Snapshot;
 use std::path::PathBuf;
 use std::time::Duration;
-use touchline_documents::document::{Document, Edit, History};
+use touchline_documents::document::Edit;
 use touchline_documents::store::{DocumentStore, Orphan, Others, Outside, StoreError};
 
 /// How many reports may wait before the saver waits for its owner.
@@ -77,8 +79,6 @@ pub enum SaverReport {
     },
     /// What others made of the document, as it was asked for.
     Outside(Box<Outside>),
-    /// An edit does not fit the document that the saver knows: it has to be given the whole document.
-    NeedsWhole,
     /// The saver broke down; nothing is saved any more.
     Broken {
         /// What it said last.
@@ -86,19 +86,12 @@ pub enum SaverReport {
     },
 }
 
-/// A document as it is, and what can be undone and redone in it.
-struct Whole {
-    document: Document,
-    history: History<Document>,
-}
-
 /// What the saver is to do, in this order.
 #[derive(Default)]
 struct Orders {
-    /// Take the document as it is at a revision with its history, in place of whatever the saver knows.
-    whole: Option<(Box<Whole>, Revision)>,
-    /// Journal these, oldest first. An edit can neither be dropped nor wait elsewhere, so that their number has no bound.
-    edits: Vec<(Edit, Revision)>,
+    /// Journal these, oldest first, each with the document that it led to. An edit can neither be dropped nor wait elsewhere, so
+    /// that their number has no bound.
+    edits: Vec<(Edit, Snapshot)>,
     /// Write the document.
     save: Option<Others>,
     /// The last request to write it.
@@ -110,8 +103,8 @@ struct Orders {
 impl Orders {
     /// All of them, if there are any.
     fn take(&mut self) -> Option<Self> {
-        let Self { whole, edits, save, save_request: _, read_outside } = &self;
-        let is_any = whole.is_some() || !edits.is_empty() || save.is_some() || *read_outside;
+        let Self { edits, save, save_request: _, read_outside } = &self;
+        let is_any = !edits.is_empty() || save.is_some() || *read_outside;
         is_any.then(|| std::mem::take(self))
     }
 }
@@ -122,39 +115,34 @@ pub struct Saver {
 }
 
 impl Saver {
-    /// Starts a saver for a document as it was opened, and the steps that can be undone and redone in it.
+    /// Starts a saver for a document as it was opened.
     ///
     /// # Errors
     /// The system starts no thread.
     pub fn start(
         store: impl DocumentStore + 'static,
-        document: Document,
-        history: History<Document>,
+        opened: Snapshot,
         options: SaverOptions,
         wake: Wake,
     ) -> std::io::Result<Self> {
         let mailbox = Mailbox::new(Orders::default(), MOST_REPORTS, wake);
         let broke_down = |message| SaverReport::Broken { message };
         let worker = Worker::spawn("saver", mailbox, broke_down, move |mailbox| {
-            Work::new(Box::new(store), Whole { document, history }, options, mailbox).run();
+            Work::new(Box::new(store), opened, options, mailbox).run();
         })?;
         Ok(Self { worker })
     }
 
-    /// Hands over an edit that led to a revision; never waits.
-    pub fn edit(&self, edit: Edit, revision: Revision) {
-        self.order(|orders| orders.edits.push((edit, revision)));
+    /// Hands over an edit and the document that it led to; never waits.
+    pub fn edit(&self, edit: Edit, to: Snapshot) {
+        self.order(|orders| orders.edits.push((edit, to)));
     }
 
-    /// Hands over the document as it is at a revision, with its history, in place of whatever the saver knows; never waits.
-    pub fn whole(&self, document: Document, history: History<Document>, revision: Revision) {
-        let whole = (Box::new(Whole { document, history }), revision);
-        let replaced = self.order(|orders| {
-            // The document holds the edits that wait.
-            (std::mem::take(&mut orders.edits), orders.whole.replace(whole))
+    /// Asks for the document to be written now, without being told when that is done; never waits.
+    pub fn write(&self) {
+        self.order(|orders| {
+            orders.save.get_or_insert(Others::Stay);
         });
-        // Letting go of a document may take a while.
-        drop(replaced);
     }
 
     /// Asks for the document to be written now; never waits. The report of a write names the last request before it, so that an

@@ -1,28 +1,24 @@
 //! What the thread of the saver does.
 
-use super::{Orders, Revision, SaverOptions, SaverReport, Whole};
+use super::{Orders, Revision, SaverOptions, SaverReport};
+use crate::app::Snapshot;
 use crate::jobs::worker::{Mailbox, Waited};
 use std::path::PathBuf;
 use std::time::Instant;
-use touchline_documents::document::{Document, Edit, History, SplitDocument};
+use touchline_documents::document::Edit;
 use touchline_documents::store::{DocumentStore, Others, StoreError};
 
 /// What the thread knows.
 pub(super) struct Work<'a> {
     store: Box<dyn DocumentStore>,
-    /// The document as journal and file hold it.
-    journaled: Document,
+    /// The document as it was given last.
+    latest: Snapshot,
+    /// The last edit that journal or file holds.
     journaled_revision: Revision,
-    latest: SplitDocument,
-    /// What can be undone and redone in `latest`.
-    history: History<Document>,
-    latest_revision: Revision,
-    /// The edits that lead from `journaled` to `latest`.
+    /// The edits that lead from there to the latest document.
     to_journal: Vec<Edit>,
     /// The last request to write the document.
     save_request: u64,
-    /// An edit did not fit: nothing is known of the document until it is given as a whole.
-    needs_whole: bool,
     /// Since when the document's file lacks edits.
     behind_since: Option<Instant>,
     /// The journal was refused last time, and the user has been told.
@@ -34,21 +30,17 @@ pub(super) struct Work<'a> {
 impl<'a> Work<'a> {
     pub(super) fn new(
         store: Box<dyn DocumentStore>,
-        Whole { document, history }: Whole,
+        opened: Snapshot,
         options: SaverOptions,
         mailbox: &'a Mailbox<Orders, SaverReport>,
     ) -> Self {
         Self {
             behind_since: store.is_behind().then(Instant::now),
             store,
-            journaled: document.clone(),
-            journaled_revision: 0,
-            latest: SplitDocument::of(document),
-            history,
-            latest_revision: 0,
+            journaled_revision: opened.revision,
+            latest: opened,
             to_journal: Vec::new(),
             save_request: 0,
-            needs_whole: false,
             journal_refused: false,
             options,
             mailbox,
@@ -71,13 +63,10 @@ impl<'a> Work<'a> {
         }
     }
 
-    fn obey(&mut self, Orders { whole, edits, save, save_request, read_outside }: Orders) {
-        if let Some((whole, revision)) = whole {
-            self.take_whole(*whole, revision);
-        }
+    fn obey(&mut self, Orders { edits, save, save_request, read_outside }: Orders) {
         if !edits.is_empty() {
-            for (edit, revision) in edits {
-                self.take(edit, revision);
+            for (edit, to) in edits {
+                self.take(edit, to);
             }
             self.journal();
         }
@@ -99,31 +88,18 @@ impl<'a> Work<'a> {
         self.behind_since?.checked_add(self.options.save_every)
     }
 
-    fn take(&mut self, edit: Edit, revision: Revision) {
-        if self.needs_whole {
-            // The document that was asked for holds it.
-            return;
-        }
-        if let Err(misfit) = self.history.follow(&mut self.latest, edit.clone()) {
-            log::warn!("{}: {misfit}; the whole document is asked for", edit.name);
-            self.needs_whole = true;
-            self.report(SaverReport::NeedsWhole);
-            return;
-        }
-        self.to_journal.push(edit);
-        self.latest_revision = revision;
+    fn take(&mut self, edit: Edit, to: Snapshot) {
+        let fitting = match edit.clone().apply(&mut self.latest.document) {
+            Ok(()) => edit,
+            // In the journal it would cut off what follows it; what leads to the document is known all the same.
+            Err(misfit) => {
+                log::warn!("{}: {misfit}", edit.name);
+                Edit::between(&self.latest.document, &to.document, &edit.name)
+            }
+        };
+        self.to_journal.push(fitting);
+        self.latest = to;
         self.behind_since.get_or_insert_with(Instant::now);
-    }
-
-    fn take_whole(&mut self, Whole { document, history }: Whole, revision: Revision) {
-        self.needs_whole = false;
-        let edit = Edit::between(&self.journaled, &document, "Everything since");
-        self.to_journal = if edit.is_empty() { Vec::new() } else { vec![edit] };
-        (self.latest, self.history) = (SplitDocument::of(document), history);
-        self.latest_revision = revision;
-        self.behind_since.get_or_insert_with(Instant::now);
-        self.journal();
-        self.save(Others::Stay);
     }
 
     fn catch_up(&mut self) {
@@ -140,18 +116,13 @@ impl<'a> Work<'a> {
             Ok(()) => {
                 self.journal_refused = false;
                 self.to_journal.clear();
-                self.journaled = self.latest.shown().clone();
-                if self.journaled_revision < self.latest_revision {
-                    self.journaled_revision = self.latest_revision;
+                if self.journaled_revision < self.latest.revision {
+                    self.journaled_revision = self.latest.revision;
                     self.report(SaverReport::Journaled { revision: self.journaled_revision, at: now() });
                 }
             }
             // Writing the document makes a journal anew that was deleted.
-            Err(StoreError::Gone { .. })
-                if self.store.keep(self.latest.shown(), &self.history, Others::Stay).is_ok() =>
-            {
-                self.saved(None);
-            }
+            Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => self.saved(None),
             Err(error) => {
                 if !self.journal_refused {
                     self.report(SaverReport::Failed { revision: self.journaled_revision, error });
@@ -161,12 +132,12 @@ impl<'a> Work<'a> {
         }
     }
 
+    fn keep(&mut self, others: Others) -> Result<Option<PathBuf>, StoreError> {
+        self.store.keep(&self.latest.document, &self.latest.history, others)
+    }
+
     fn save(&mut self, others: Others) {
-        if self.needs_whole {
-            self.report(SaverReport::NeedsWhole);
-            return;
-        }
-        match self.store.keep(self.latest.shown(), &self.history, others) {
+        match self.keep(others) {
             Ok(set_aside) => self.saved(set_aside),
             Err(error) => {
                 // Tried again after the usual time, not at once.
@@ -181,7 +152,7 @@ impl<'a> Work<'a> {
 
     /// Keeps what the window holds beside the version that another program wrote, before anybody decides between the two.
     fn keep_own(&mut self, path: PathBuf) {
-        let own = self.store.keep_own(self.latest.shown()).unwrap_or_else(|error| {
+        let own = self.store.keep_own(&self.latest.document).unwrap_or_else(|error| {
             self.report(SaverReport::Failed { revision: self.journaled_revision, error });
             None
         });
@@ -192,9 +163,8 @@ impl<'a> Work<'a> {
         self.journal_refused = false;
         self.behind_since = None;
         self.to_journal.clear();
-        self.journaled = self.latest.shown().clone();
-        self.journaled_revision = self.latest_revision;
-        let (revision, request) = (self.latest_revision, self.save_request);
+        self.journaled_revision = self.latest.revision;
+        let (revision, request) = (self.journaled_revision, self.save_request);
         self.report(SaverReport::Saved { revision, at: now(), request, set_aside });
     }
 
