@@ -20,6 +20,7 @@ use touchline_calibration::calibrate::{
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{Angle, ImageSize, Vec2, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_core::solve::{Verdict, WarningCode};
 use touchline_documents::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
@@ -134,7 +135,7 @@ fn a_base_estimated_over_a_bump_fits_neither_side_and_is_told() {
     let mut rng = seeded::rng("a_base_estimated_over_a_bump");
     let mut document = document(40, 20, 2.0, &mut rng);
     let problem = BaseProblem::of(document.at(Path::new(".")), &"main".into()).unwrap();
-    let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
+    let estimated = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let change =

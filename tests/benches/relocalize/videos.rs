@@ -11,6 +11,7 @@ use touchline::document::{Document, Frame, VideoFrame, document_from_bytes};
 use touchline::features::FeatureOptions;
 use touchline::markings::LineVerdict;
 use touchline::media::{FrameReader, FrameSource};
+use touchline::progress::Progress;
 use touchline::proposals::{
     Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, WorkFolder, learn,
     overlay_error_px, propose, study,
@@ -85,7 +86,7 @@ fn labelled(data: &Path, clicks: &str) -> Document {
     let mut document = document_from_bytes(clicks.as_bytes()).unwrap();
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(data), &camera).unwrap();
-    problem.estimate(&document, &BaseOptions::default()).unwrap().write_camera(&mut document);
+    problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut document);
     solve_document(&mut document, data, &|| ()).unwrap();
     document
 }
