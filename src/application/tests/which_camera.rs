@@ -4,7 +4,6 @@ use crate::bench::uncounted;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::CameraWatch;
@@ -114,7 +113,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         let name = given.camera.clone();
         let work =
             BulkSolve { document: document.clone(), folder: ".".into(), change: BulkChange::Assign(Box::new(given)) };
-        let solved = work.run(&|_| ControlFlow::Continue(())).unwrap();
+        let solved = work.run(&Progress::default()).unwrap();
         document = solved.join(&document).unwrap().unwrap().document;
         assert_eq!(name.as_str(), "main 2");
         assert!(document.frames.range(..change.frame).all(|frame| frame.camera.as_str() == "main"));

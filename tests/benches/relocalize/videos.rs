@@ -47,13 +47,12 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         FramePictures { document: &document, folder: data, options: FeatureOptions::default(), store: &store };
     let at = document.at(data);
     let mut reader = FrameReader::new();
-    let going_on = || ControlFlow::Continue(());
     let training = TrainingFrames::of_solved(&document).frames;
-    let studied = study(&pictures, &mut reader, &training, &going_on).unwrap();
+    let studied = study(&pictures, &mut reader, &training, &Progress::default()).unwrap();
     for mask in &studied.burnt_in {
         println!("<!-- {} -->", mask.describe(&document));
     }
-    let model = learn(&document, &studied, &LearnOptions::default(), &|_| going_on()).unwrap();
+    let model = learn(&document, &studied, &LearnOptions::default(), &Progress::default()).unwrap();
     let asked: Vec<usize> = (clicked..document.frames.len()).collect();
     let options = RelocalizeOptions::default();
     let proposals = pictures.each(&mut reader, &asked, |index, _, found| {
