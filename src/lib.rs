@@ -38,7 +38,7 @@
 //! | `touchline-calibration` | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |
 //! | `touchline-documents` | [`document`] (typed schema, edits, history), [`store`] (where a document lives), [`exchange`] (foreign formats), `report` (tables, figures, Markdown) |
 //! | `touchline-vision` | [`media`] (frames of folders and videos), [`features`] (SIFT of a picture), [`paint`] (painted lines in pixels: the line check, snapping), [`relocalize`] (the pan-tilt forest, pose from its rays), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
-//! | `touchline-core` | [`camera`], [`field`], [`markings`] (the field's lines as a camera sees them), [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`geometry`], [`files`] (opening files that may come from anybody) |
+//! | `touchline-core` | [`camera`], [`field`], [`markings`] (the field's lines as a camera sees them), [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`geometry`], [`files`] (opening files that may come from anybody), [`progress`] (what long functions report to, and what cancels them) |
 //!
 //! What the program ships beside its code (fields, schema, guide, shaders) are the crates `touchline-assets` and
 //! `touchline-shaders` in `assets` and `shaders`. Within a crate the rooms stand on floors, which its `lib.rs` draws: a room uses only
@@ -66,7 +66,7 @@ pub use touchline_application::{app, jobs, scene};
 #[doc(inline)]
 pub use touchline_calibration::{calibrate, evaluate, pipelines, proposals};
 #[doc(inline)]
-pub use touchline_core::{camera, conventions, field, files, geometry, markings, score, solve};
+pub use touchline_core::{camera, conventions, field, files, geometry, markings, progress, score, solve};
 #[doc(hidden)]
 pub use touchline_documents::report;
 #[doc(inline)]

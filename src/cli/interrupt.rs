@@ -2,6 +2,7 @@
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -24,6 +25,11 @@ impl Interrupt {
             }
         }
         Self(pressed)
+    }
+
+    /// Whether to go on: a break once it was pressed.
+    pub fn check(&self) -> ControlFlow<()> {
+        if self.is_pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Whether it was pressed.

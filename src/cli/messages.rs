@@ -2,7 +2,9 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
 use touchline_core::files::plain;
+use touchline_core::progress::Progress;
 
 /// How messages are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +60,14 @@ impl Messages {
             }
         }
     }
+}
+
+/// Moves a bar on by one at each step.
+pub fn count_steps(bar: &ProgressBar) -> Progress<'_, ()> {
+    Progress::new(|()| {
+        bar.inc(1);
+        ControlFlow::Continue(())
+    })
 }
 
 /// The longest message; documents and file names may hold words of any length.

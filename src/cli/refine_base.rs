@@ -6,7 +6,6 @@ use super::messages::Messages;
 use super::track::track_and_report;
 use clap::ValueEnum;
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_calibration::calibrate::{
     BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, describe_mirrored,
@@ -15,6 +14,7 @@ use touchline_calibration::calibrate::{
 use touchline_calibration::pipelines::{TrackingOptions, give_first_base};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::counted;
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 use touchline_vision::media::{FrameReader, Picture};
@@ -212,9 +212,9 @@ fn estimate(
 ) -> Result<EstimatedBase, BaseEstimationError> {
     let problem = BaseProblem::of(document, camera)?;
     if size {
-        problem.estimate_with_size(document, options, &|_| ControlFlow::Continue(()))
+        problem.estimate_with_size(document, options, &Progress::default())
     } else {
-        problem.estimate(&document, options)
+        problem.estimate(&document, options, &Progress::default())
     }
 }
 
@@ -253,9 +253,8 @@ impl<'a> Pictures<'a> {
         size: bool,
     ) -> anyhow::Result<BaseOnPaint> {
         let bar = self.messages.progress(1, "Looking at painted lines");
-        let found = estimate_on_paint(document, camera, options, size, &mut |frame| self.read(frame), &|_| {
-            ControlFlow::Continue(())
-        });
+        let found =
+            estimate_on_paint(document, camera, options, size, &mut |frame| self.read(frame), &Progress::default());
         bar.finish_and_clear();
         Ok(found?)
     }

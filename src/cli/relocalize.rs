@@ -8,13 +8,13 @@ use super::messages::Messages;
 use super::output::write_file;
 use anyhow::{Context as _, ensure};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_application::app::where_to_label::where_to_label;
 use touchline_calibration::pipelines::{ForestRequest, PictureFiles, label_frames};
 use touchline_calibration::proposals::{Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice};
 use touchline_core::files::read_named;
 use touchline_core::geometry::counted;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
 };
@@ -97,10 +97,12 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let files = PictureFiles { folder: &folder, store: &store };
     let forest = ForestRequest { model: &model, generation: 0, options };
     let bar = messages.progress(asked.len(), "Relocalizing");
-    let proposals = label_frames(&mut document, files, &mut FrameReader::new(), &asked, &forest, args.snap, &|done| {
+    let progress = Progress::new(|done: usize| {
         bar.set_position(done as u64);
-        if interrupt.is_pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        interrupt.check()
     });
+    let mut reader = FrameReader::new();
+    let proposals = label_frames(&mut document, files, &mut reader, &asked, &forest, args.snap, &progress);
     bar.finish_and_clear();
     tell_refusal(&store, messages);
     let proposals = proposals?;

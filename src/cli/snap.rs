@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use std::ops::ControlFlow;
 use touchline_calibration::calibrate::{camera_on_paint, record_on_paint};
 use touchline_calibration::proposals::read_picture;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Fields, FrameStatus};
 use touchline_vision::media::FrameReader;
 use touchline_vision::paint::{FindOptions, SnapOptions};
@@ -47,7 +47,6 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let fields = Fields::of(document.at(location.folder()))?;
     let snap = SnapOptions { reach_px: args.reach, own_k1: args.k1, ..SnapOptions::default() };
     let options = FindOptions { snap, ..FindOptions::default() };
-    let watch = |_| ControlFlow::Continue(());
     let mut reader = FrameReader::new();
     let bar = messages.progress(document.frames.len(), "Snapping");
     let mut counts = Counts::default();
@@ -69,7 +68,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
             }
         };
         let field = fields.of_frame(&document, frame);
-        let found = camera_on_paint(&document, frame, field, &picture, (&options, !is_solved), &watch);
+        let found = camera_on_paint(&document, frame, field, &picture, (&options, !is_solved), &Progress::default());
         record_on_paint(&mut document.frames[index], &found, !is_solved);
         match found {
             Ok(_) if is_solved => counts.snapped += 1,

@@ -3,16 +3,19 @@
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::features::{FeaturesArg, tell_refusal};
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use super::output::{refuse_existing, write_file};
 use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use touchline_calibration::proposals::{FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study};
+use touchline_calibration::proposals::{
+    FramePictures, LearnOptions, QualityProgress, TrainingFrames, WRONG_PX, learn, measure, study,
+};
+use touchline_core::progress::Progress;
 use touchline_vision::features::{Detector, FeatureOptions};
 use touchline_vision::media::FrameReader;
-use touchline_vision::relocalize::{CameraForest, RelocalizeOptions, TrainOptions};
+use touchline_vision::relocalize::{CameraForest, RelocalizeOptions, TrainOptions, TrainProgress};
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
@@ -92,10 +95,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let pictures =
         FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };
     let bar = messages.progress(training_frames.frames.len(), "Finding features");
-    let studied = study(&pictures, &mut FrameReader::new(), &training_frames.frames, &|| {
-        bar.inc(1);
-        ControlFlow::Continue(())
-    });
+    let studied = study(&pictures, &mut FrameReader::new(), &training_frames.frames, &count_steps(&bar));
     bar.finish_and_clear();
     let studied = studied.unwrap_or_default();
     tell_refusal(&store, messages);
@@ -108,20 +108,22 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         location.file().display()
     );
     let bar = messages.progress(0, "Training");
-    let model = learn(&document, &studied, &options, &|progress| {
+    let training = Progress::new(|progress: TrainProgress| {
         bar.set_length(progress.total as u64);
         bar.set_position(progress.placed as u64);
         ControlFlow::Continue(())
     });
+    let model = learn(&document, &studied, &options, &training);
     bar.finish_and_clear();
     let mut model = model?;
     let bar = messages.progress(0, "Asking for references left out");
-    let (training, relocalizing) = (&training_frames.frames, RelocalizeOptions::default());
-    let quality = measure(&pictures, &mut FrameReader::new(), training, &options, &relocalizing, &|done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
+    let asking = Progress::new(|progress: QualityProgress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
         ControlFlow::Continue(())
     });
+    let (references, relocalizing) = (&training_frames.frames, RelocalizeOptions::default());
+    let quality = measure(&pictures, &mut FrameReader::new(), references, &options, &relocalizing, &asking);
     bar.finish_and_clear();
     if let Some(quality) = &quality {
         quality.bound(&document, &mut model);

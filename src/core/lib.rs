@@ -5,7 +5,7 @@
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
 //! | 1 | [`camera`], [`field`] |
-//! | 0 | [`geometry`], [`files`] (opening files that may come from anybody) |
+//! | 0 | [`geometry`], [`files`] (opening files that may come from anybody), [`progress`] (what long functions report to) |
 //!
 //! Frames, signs and units of all numbers: [`conventions`].
 
@@ -17,5 +17,6 @@ pub mod field;
 pub mod files;
 pub mod geometry;
 pub mod markings;
+pub mod progress;
 pub mod score;
 pub mod solve;

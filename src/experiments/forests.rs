@@ -4,9 +4,9 @@ use super::answers::{AskedFrame, FoundCamera, RayCount};
 use super::paper::INLIER_DEG;
 use super::sets::{FrameSet, KnownFrame, Split};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::Angle;
+use touchline_core::progress::Progress;
 use touchline_vision::relocalize::{
     Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of, relocalize, train,
 };
@@ -161,7 +161,7 @@ pub fn trained_on<'a>(
         looked.push(known.truth.ptz());
     }
     let seen = SeenRange::of(&looked)?;
-    let forest = train(&samples, training, &|_| ControlFlow::Continue(())).ok()?;
+    let forest = train(&samples, training, &Progress::default()).ok()?;
     Some((forest, seen))
 }
 
@@ -198,7 +198,7 @@ mod tests {
         for kind in ForestKind::BOTH {
             let trained = |trees: u32| {
                 let options = TrainOptions { trees, ..kind.training(7) };
-                train(&samples, &options, &|_| ControlFlow::Continue(())).unwrap()
+                train(&samples, &options, &Progress::default()).unwrap()
             };
             assert_eq!(trained(4).first_trees(2), trained(2), "{kind:?}");
         }

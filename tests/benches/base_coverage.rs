@@ -14,6 +14,7 @@ use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldElement, FieldModel, builtin};
 use touchline::geometry::rotation::from_rotation_vector;
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline::progress::Progress;
 use touchline::solve::base::{BaseOptions, BasePriors, CameraClicks, FrameClicks, estimate_base};
 use touchline::solve::{Observation, SolveContext, solve_frame};
 
@@ -172,8 +173,12 @@ fn measure(place: &Place, frames: usize, most: usize, seed: u64) -> Counts {
     let clicked: Vec<FrameClicks> = (0..frames).map(|_| draw.frame(&truth, &field, place, 8).1).collect();
     let nominal = FieldModel { crown_m: 0.13, ..field.clone() };
     let mut counts = Counts::default();
-    let Ok(found) = estimate_base(&CameraClicks::centred(&nominal, &clicked, SIZE), None, &BaseOptions::default())
-    else {
+    let Ok(found) = estimate_base(
+        &CameraClicks::centred(&nominal, &clicked, SIZE),
+        None,
+        &BaseOptions::default(),
+        &Progress::default(),
+    ) else {
         counts.failed = 1;
         return counts;
     };

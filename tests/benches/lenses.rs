@@ -10,7 +10,6 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::FrameLens;
@@ -18,6 +17,7 @@ use touchline::exchange::{Format, ImportOptions, import};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::markings::{SampleOptions, sample_lines};
+use touchline::progress::Progress;
 use touchline::solve::base::{
     BaseEstimate, BaseOptions, CameraClicks, FrameClicks, estimate_base, estimate_base_on_paint,
 };
@@ -176,7 +176,8 @@ fn clicks_of(observations: Vec<Observation>) -> FrameClicks {
 /// The base by every landmark in view, clicked.
 fn by_clicks(frames: &[Drawn], field: &FieldModel) -> BaseEstimate {
     let clicks: Vec<FrameClicks> = frames.iter().map(|drawn| clicks_of(drawn.clicks.clone())).collect();
-    estimate_base(&CameraClicks::centred(field, &clicks, SIZE), None, &BaseOptions::default()).unwrap()
+    estimate_base(&CameraClicks::centred(field, &clicks, SIZE), None, &BaseOptions::default(), &Progress::default())
+        .unwrap()
 }
 
 /// The base by the paint alone, from cameras that the clicks gave.
@@ -185,8 +186,8 @@ fn by_paint(frames: &[Drawn], start: &BaseEstimate, field: &FieldModel) -> BaseE
     let nothing = vec![FrameClicks::default(); frames.len()];
     let painted: Vec<FrameClicks> = frames.iter().map(|drawn| clicks_of(drawn.paint.clone())).collect();
     let unclicked = CameraClicks::centred(field, &nothing, SIZE);
-    let go_on = |_| ControlFlow::Continue(());
-    estimate_base_on_paint(&unclicked, &painted, (&start.base, &ptz), &BaseOptions::default(), &go_on).unwrap()
+    estimate_base_on_paint(&unclicked, &painted, (&start.base, &ptz), &BaseOptions::default(), &Progress::default())
+        .unwrap()
 }
 
 /// How far the ground is off with a base and the cameras of its frames.

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
+use touchline::progress::Progress;
 use touchline::solve::base::{
     AdjustOptions, BaseModel, BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
 };
@@ -137,7 +138,8 @@ fn estimate_a_base_from_77_frames(bencher: Bencher) {
         .collect();
     let options = BaseOptions::default();
     bencher.bench_local(|| {
-        estimate_base(&CameraClicks::centred(&field, black_box(&frames), SIZE), None, &options).unwrap()
+        estimate_base(&CameraClicks::centred(&field, black_box(&frames), SIZE), None, &options, &Progress::default())
+            .unwrap()
     });
 }
 

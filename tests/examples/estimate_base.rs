@@ -8,6 +8,7 @@ use std::env;
 use std::error::Error;
 use std::path::PathBuf;
 use touchline::calibrate::BaseProblem;
+use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
 use touchline::store::read;
 
@@ -17,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = document.cameras.first().ok_or("the document has no camera")?.id.clone();
 
     let problem = BaseProblem::of(document.at(location.folder()), &camera)?;
-    let found = problem.estimate(&document, &BaseOptions::default())?;
+    let found = problem.estimate(&document, &BaseOptions::default(), &Progress::default())?;
 
     let base = &found.estimate.base;
     println!("{} clicks of camera {:?}", problem.click_count(), camera.as_str());

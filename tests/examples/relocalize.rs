@@ -6,10 +6,10 @@
 
 use std::env;
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use touchline::features::extract;
 use touchline::media::{FrameReader, FrameRef};
+use touchline::progress::Progress;
 use touchline::proposals::{FeatureStore, FramePictures, LearnOptions, TrainingFrames, learn, study};
 use touchline::relocalize::{RelocalizeOptions, relocalize};
 use touchline::store::read;
@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };
     let mut reader = FrameReader::new();
     let references = TrainingFrames::of(&document, false).frames;
-    let studied = study(&pictures, &mut reader, &references, &|| ControlFlow::Continue(())).ok_or("stopped")?;
-    let model = learn(&document, &studied, &options, &|_| ControlFlow::Continue(()))?;
+    let studied = study(&pictures, &mut reader, &references, &Progress::default()).ok_or("stopped")?;
+    let model = learn(&document, &studied, &options, &Progress::default())?;
 
     // The picture of a camera that the forest knows.
     let camera = document.cameras.first().ok_or("the document has no camera")?;

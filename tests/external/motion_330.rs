@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use touchline::camera::{CameraBase, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use touchline::progress::Progress;
 use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
 use touchline::solve::{Observation, SolveContext, solve_frame};
 
@@ -65,7 +66,9 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
         motion.iter().map(|ptz| clicks(&field, &PtzCamera::new(base, *ptz), &mut rng)).collect();
     let ten: Vec<FrameClicks> =
         (0..10).map(|part| FrameClicks { observations: clicked[16 + 33 * part].clone(), start: None }).collect();
-    let found = estimate_base(&CameraClicks::centred(&field, &ten, SIZE), None, &BaseOptions::default()).unwrap();
+    let found =
+        estimate_base(&CameraClicks::centred(&field, &ten, SIZE), None, &BaseOptions::default(), &Progress::default())
+            .unwrap();
     let off = found.base.position_m - base.position_m;
     println!(
         "base off by {:.2?} m, stated ± {:.2?} m; {}",

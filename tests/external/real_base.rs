@@ -13,6 +13,7 @@ use touchline::document::Document;
 use touchline::field::FieldModel;
 use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
+use touchline::progress::Progress;
 use touchline::solve::base::{BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base};
 use touchline::solve::{ClickResidual, Evidence, IdentityKind, Observation, SolveContext, check_identity, solve_frame};
 
@@ -63,7 +64,13 @@ fn the_base_comes_from_clicks_alone() {
         let seen = read(&data.join(format!("scouting-{set}/clicks.json")));
         let yardstick = read(&data.join(format!("scouting-{set}/fit-k1.json")));
         let options = BaseOptions::default();
-        let estimate = estimate_base(&CameraClicks::centred(&seen.field, &seen.frames, SIZE), None, &options).unwrap();
+        let estimate = estimate_base(
+            &CameraClicks::centred(&seen.field, &seen.frames, SIZE),
+            None,
+            &options,
+            &Progress::default(),
+        )
+        .unwrap();
         let base = &estimate.base;
         println!("{set}: {}, crown {:.3} m, {:?}", estimate.model, estimate.crown_m, base.distortion);
         println!("  position {:.2?} ± {:.2?} m", base.position_m.as_slice(), base.sigma.position_m.as_slice());
@@ -114,8 +121,13 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
             start: None,
         };
         let frames: Vec<FrameClicks> = seen.frames.iter().enumerate().map(part).collect();
-        let found =
-            estimate_base(&CameraClicks::centred(&seen.field, &frames, SIZE), None, &BaseOptions::default()).unwrap();
+        let found = estimate_base(
+            &CameraClicks::centred(&seen.field, &frames, SIZE),
+            None,
+            &BaseOptions::default(),
+            &Progress::default(),
+        )
+        .unwrap();
         let field = FieldModel { crown_m: found.crown_m, ..seen.field.clone() };
         for (index, (frame, fit)) in seen.document.frames.iter().zip(&found.frames).enumerate() {
             let Some(fit) = fit else { continue };
@@ -200,8 +212,13 @@ fn few_frames_give_a_usable_base() {
                 };
                 let few: Vec<FrameClicks> = chosen.iter().map(of).collect();
                 let options = BaseOptions::default();
-                let found = estimate_base(&CameraClicks::centred(&seen.field, &few, SIZE), None, &options)
-                    .unwrap_or_else(|error| panic!("{count} frames {chosen:?}, four clicks {four_only}: {error}"));
+                let found = estimate_base(
+                    &CameraClicks::centred(&seen.field, &few, SIZE),
+                    None,
+                    &options,
+                    &Progress::default(),
+                )
+                .unwrap_or_else(|error| panic!("{count} frames {chosen:?}, four clicks {four_only}: {error}"));
                 let field = FieldModel { crown_m: found.crown_m, ..seen.field.clone() };
                 let context = SolveContext::new(SIZE);
                 for (index, frame) in seen.document.frames.iter().enumerate() {
@@ -262,7 +279,7 @@ fn two_names_exchanged_are_named_as_a_swap() {
             } else {
                 let options = BaseOptions::default();
                 let clicks = CameraClicks::centred(&seen.field, &seen.frames, SIZE);
-                let found = estimate_base(&clicks, None, &options).unwrap();
+                let found = estimate_base(&clicks, None, &options, &Progress::default()).unwrap();
                 (found.base, found.crown_m)
             };
             let field = FieldModel { crown_m, ..seen.field.clone() };
@@ -351,7 +368,7 @@ fn any_few_frames_are_seldom_worse_than_a_pinhole() {
                 let four = |&index: &usize| only(&seen.frames[index], &four_apart(&seen.frames[index]));
                 let few: Vec<FrameClicks> = chosen.iter().map(four).collect();
                 let estimate = |options: &BaseOptions| {
-                    estimate_base(&CameraClicks::centred(&seen.field, &few, SIZE), None, options)
+                    estimate_base(&CameraClicks::centred(&seen.field, &few, SIZE), None, options, &Progress::default())
                 };
                 let (Ok(found), Ok(plain)) = (estimate(&BaseOptions::default()), estimate(&pinhole)) else {
                     failed += 1;

@@ -4,6 +4,7 @@ use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
 use touchline::calibrate::{BaseProblem, FrameLookup, better_camera, calibrate, camera_change, solve_document};
 use touchline::document::{CameraId, Document, FieldSpec, Fields};
+use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
 
 pub const TESTS: &[Test] = tests![
@@ -19,7 +20,7 @@ fn real(set: &str) -> Document {
     let mut document = touchline::store::read(&path).unwrap().1;
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(Path::new(".")), &camera).unwrap();
-    let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
+    let estimated = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     document
 }

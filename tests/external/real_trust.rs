@@ -4,6 +4,7 @@ use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
 use touchline::field::FieldElement;
 use touchline::geometry::ImageSize;
+use touchline::progress::Progress;
 use touchline::solve::Observation;
 use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
 
@@ -29,7 +30,13 @@ fn real_bases_from_halves_agree_within_what_they_state() {
             })
             .collect();
         let estimate = |frames: &[FrameClicks]| {
-            estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default()).unwrap()
+            estimate_base(
+                &CameraClicks::centred(&field, frames, SIZE),
+                None,
+                &BaseOptions::default(),
+                &Progress::default(),
+            )
+            .unwrap()
         };
         let whole = estimate(&all);
         let fitted = read("fit-k1").cameras[0].base().unwrap().position_m;

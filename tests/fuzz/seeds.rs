@@ -1,7 +1,7 @@
 //! Writes the files that corpora begin with and that are no text: `cargo run --bin seeds -- corpus`.
 
+use touchline::progress::Progress;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline::camera::PanTilt;
 use touchline::features::{DESCRIPTOR_BYTES, Descriptor, FeatureCache, FeatureKey, FeatureOptions, Features, Keypoint};
@@ -42,7 +42,7 @@ fn forest() -> Result<Vec<u8>> {
     let sample = |index: u8| (descriptor(index), PanTilt::from_degrees(f64::from(index), -f64::from(index)));
     samples.add_frame((1..7).map(sample));
     let options = TrainOptions { trees: 2, leaf_samples: 2, ..TrainOptions::default() };
-    let forest = train(&samples, &options, &|_| ControlFlow::Continue(())).map_err(|_| "it was stopped")?;
+    let forest = train(&samples, &options, &Progress::default()).map_err(|_| "it was stopped")?;
     let cameras = [PanTilt::from_degrees(1.0, -2.0)].map(|at| touchline::camera::Ptz {
         pan: at.pan,
         tilt: at.tilt,

@@ -8,6 +8,7 @@ use touchline_calibration::proposals::{Coverage, LabelNext, label_advice};
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, Symmetry, builtin};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::{Observation, WarningCode};
 use touchline_documents::document::{
     Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -274,7 +275,6 @@ fn answers_across_the_seam_are_plausible() {
 #[cfg(feature = "opencv")]
 #[test]
 fn frames_drawn_from_every_side_are_found_again() {
-    use std::ops::ControlFlow;
     use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
     use touchline_vision::features::{FeatureOptions, extract};
     use touchline_vision::media::Picture;
@@ -303,7 +303,7 @@ fn frames_drawn_from_every_side_are_found_again() {
             samples.add_frame(found.descriptors.iter().copied().zip(rays));
         }
         let seen = SeenRange::of(&taught.map(|camera| camera.ptz())).unwrap();
-        let forest = train(&samples, &TrainOptions::default(), &|_| ControlFlow::Continue(())).unwrap();
+        let forest = train(&samples, &TrainOptions::default(), &Progress::default()).unwrap();
         for (number, right_deg) in [-11.0, 3.0].into_iter().enumerate() {
             let truth = camera(right_deg);
             let asked = features(10 + number, &truth);

@@ -4,7 +4,6 @@ use crate::bench::uncounted;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::CameraWatch;
@@ -20,6 +19,7 @@ use touchline_calibration::calibrate::{
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{Angle, ImageSize, Vec2, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_core::solve::{Verdict, WarningCode};
 use touchline_documents::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
@@ -113,7 +113,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         let name = given.camera.clone();
         let work =
             BulkSolve { document: document.clone(), folder: ".".into(), change: BulkChange::Assign(Box::new(given)) };
-        let solved = work.run(&|_| ControlFlow::Continue(())).unwrap();
+        let solved = work.run(&Progress::default()).unwrap();
         document = solved.join(&document).unwrap().unwrap().document;
         assert_eq!(name.as_str(), "main 2");
         assert!(document.frames.range(..change.frame).all(|frame| frame.camera.as_str() == "main"));
@@ -134,7 +134,7 @@ fn a_base_estimated_over_a_bump_fits_neither_side_and_is_told() {
     let mut rng = seeded::rng("a_base_estimated_over_a_bump");
     let mut document = document(40, 20, 2.0, &mut rng);
     let problem = BaseProblem::of(document.at(Path::new(".")), &"main".into()).unwrap();
-    let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
+    let estimated = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let change =

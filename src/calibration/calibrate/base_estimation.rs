@@ -13,9 +13,10 @@ use thiserror::Error;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, median};
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CameraClicks, CrownModel, FittedSize, FrameClicks,
-    LensModel, MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks, CrownModel, FittedSize,
+    FrameClicks, LensModel, MirroredFrame, adjust_base, estimate_base, start_base,
 };
 use touchline_core::solve::{FrameSolution, ObservationError, Verdict, WarningCode};
 use touchline_documents::document::{
@@ -155,22 +156,14 @@ impl BaseProblem {
     /// Estimates the base. `document` is the one that the clicks were gathered from.
     ///
     /// # Errors
-    /// The clicks give no base.
-    pub fn estimate(&self, document: &Document, options: &BaseOptions) -> Result<EstimatedBase, BaseEstimationError> {
-        self.estimate_watched(document, options, &|_| ControlFlow::Continue(()))
-    }
-
-    /// The same, told after each adjustment; a break ends it.
-    ///
-    /// # Errors
-    /// The clicks give no base, or it was ended.
-    pub fn estimate_watched(
+    /// The clicks give no base, or it was cancelled.
+    pub fn estimate(
         &self,
         document: &Document,
         options: &BaseOptions,
-        watch: WatchBase<'_>,
+        progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let estimate = estimate_base_watched(&self.camera_clicks(), self.previous.as_ref(), options, watch)?;
+        let estimate = estimate_base(&self.camera_clicks(), self.previous.as_ref(), options, progress)?;
         Ok(self.estimated(document, estimate))
     }
 

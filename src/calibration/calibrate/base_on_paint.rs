@@ -17,10 +17,11 @@ use std::sync::Arc;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
+use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseError, BaseModel, BaseOptions, CameraClicks, FittedSize, FrameClicks, HeldOutErrors, WatchBase,
-    adjust_base, estimate_base_on_paint, held_out_on_paint,
+    AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, CameraClicks, FittedSize, FrameClicks,
+    HeldOutErrors, adjust_base, estimate_base_on_paint, held_out_on_paint,
 };
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FramePtz, FrameStatus};
 use touchline_vision::media::Picture;
@@ -183,11 +184,11 @@ pub fn estimate_on_paint(
     options: &BaseOptions,
     size: bool,
     pictures: PictureOf<'_>,
-    watch: WatchBase<'_>,
+    progress: &Progress<'_, BaseProgress>,
 ) -> Result<BaseOnPaint, BaseOnPaintError> {
     let mut problem = BaseProblem::with_solved(document, camera)?;
     let first_field = problem.field.clone();
-    let first = Cameras::first(&problem, document, options, watch)?;
+    let first = Cameras::first(&problem, document, options, progress)?;
     let seen = Seen::of(&problem, &document, &first, pictures)?;
     let model = options.richest(&problem.camera_clicks());
     let mut start = first.adjusted(&problem, &seen, &model, &options.adjust);
@@ -209,7 +210,7 @@ pub fn estimate_on_paint(
     let clicks = problem.camera_clicks();
     let from = (&start.base, start.ptz.as_slice());
     let mut estimate =
-        estimate_base_on_paint(&clicks, &seen.painted, from, options, watch).map_err(BaseEstimationError::from)?;
+        estimate_base_on_paint(&clicks, &seen.painted, from, options, progress).map_err(BaseEstimationError::from)?;
     let sigma = estimate.base.sigma;
     estimate.base.sigma = if first.by_clicks {
         // What both have in common errs by about half of what they differ by.
@@ -259,11 +260,11 @@ impl Cameras {
         problem: &BaseProblem,
         document: DocumentAt<'_>,
         options: &BaseOptions,
-        watch: WatchBase<'_>,
+        progress: &Progress<'_, BaseProgress>,
     ) -> Result<Self, BaseEstimationError> {
         let recorded = |index: &usize| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz);
         let mut ptz: Vec<Option<Ptz>> = problem.frames.iter().map(recorded).collect();
-        let by_clicks = BaseProblem::of(document, &problem.camera)?.estimate_watched(&document, options, watch);
+        let by_clicks = BaseProblem::of(document, &problem.camera)?.estimate(&document, options, progress);
         match (by_clicks, problem.previous) {
             (Ok(EstimatedBase { frames, estimate, .. }), _) => {
                 for (index, fit) in frames.iter().zip(&estimate.frames) {

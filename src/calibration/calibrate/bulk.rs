@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameId};
 
 /// A change after which many frames are solved again.
@@ -73,9 +74,6 @@ pub struct BulkProgress {
     pub of: usize,
 }
 
-/// Told how far it has come, from any thread; a break stops it.
-pub type WatchBulk<'a> = &'a (dyn Fn(BulkProgress) -> ControlFlow<()> + Sync);
-
 /// A change that is to be worked out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BulkSolve {
@@ -120,13 +118,13 @@ impl BulkSolve {
     /// Works the change out.
     ///
     /// # Errors
-    /// The change cannot be made, or `watch` stopped it.
-    pub fn run(self, watch: WatchBulk<'_>) -> Result<BulkSolved, BulkError> {
+    /// The change cannot be made, or `progress` cancelled it.
+    pub fn run(self, progress: &Progress<'_, BulkProgress>) -> Result<BulkSolved, BulkError> {
         let mut after = self.document.clone();
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
-        let counting = || match watch(BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of }) {
+        let counting = || match progress.report(BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of }) {
             ControlFlow::Continue(()) => ControlFlow::Continue(()),
             ControlFlow::Break(()) => ControlFlow::Break(BulkError::Stopped),
         };
@@ -284,14 +282,14 @@ mod tests {
         let change = BulkChange::Numbers(Box::new(numbers));
         let solve =
             |document: &Document, change| BulkSolve { document: document.clone(), folder: PathBuf::new(), change };
-        let solved = solve(&before, change).run(&|_| ControlFlow::Continue(())).unwrap();
+        let solved = solve(&before, change).run(&Progress::default()).unwrap();
         let mut now = before.clone();
         let mask = PixelBox { x: 1.0, y: 2.0, width: 30.0, height: 8.0 };
         now.cameras.iter_mut().for_each(|camera| camera.masks.push(mask));
         now.field.template = "futsal".to_owned();
         now.cameras.push(Camera::new("new".into(), size).into());
         assert_eq!(solved.join(&now).unwrap(), None, "it has to be worked out again");
-        let again = solve(&now, solved.change_for(&now)).run(&|_| ControlFlow::Continue(())).unwrap();
+        let again = solve(&now, solved.change_for(&now)).run(&Progress::default()).unwrap();
         let document = again.join(&now).unwrap().unwrap().document;
         assert_eq!((document.cameras[0].click_noise_px, document.cameras.len()), (Some(2.0), 3));
         assert!(document.cameras[..2].iter().all(|camera| camera.masks == [mask]));

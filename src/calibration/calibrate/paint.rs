@@ -5,6 +5,7 @@ use thiserror::Error;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;
+use touchline_core::progress::Progress;
 use touchline_core::solve::ObservationError;
 use touchline_documents::document::{
     Document, Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target,
@@ -12,7 +13,7 @@ use touchline_documents::document::{
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{
     FindError, FindOptions, Found, GroundPicture, LineCheck, PointSnapOptions, SnapError, SnapOptions, Snapped,
-    SnappedPoint, WatchFind, check_lines, find_camera, snap, snap_point,
+    SnappedPoint, check_lines, find_camera, snap, snap_point,
 };
 
 /// The code of a warning that the paint speaks against a camera.
@@ -89,23 +90,23 @@ pub enum FindFrameError {
     Paint(#[from] FindError),
 }
 
-/// A camera for a frame that has none, by the paint of its picture and the clicks that it has; `watch` is told of the progress
-/// and may end it.
+/// A camera for a frame that has none, by the paint of its picture and the clicks that it has; `progress`
+/// receives the share that is done, from 0 to 1.
 ///
 /// # Errors
-/// The frame's camera has no base, a click names something that the field lacks, or the paint does not decide.
+/// The frame's camera has no base, a click names something that the field lacks, the paint does not decide, or `progress` cancelled it.
 pub fn find_frame(
     document: &Document,
     frame: &Frame,
     field: &FieldModel,
     picture: &Picture,
     options: &FindOptions,
-    watch: WatchFind<'_>,
+    progress: &Progress<'_, f64>,
 ) -> Result<(CameraBase, Found), FindFrameError> {
     let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame)).ok_or(FindFrameError::NoBase)?;
     let clicks = observations(frame, field)?;
     let ground = GroundPicture::new(picture, &document.masks_of(frame));
-    Ok((base, find_camera(&ground, field, &base, &clicks, options, watch)?))
+    Ok((base, find_camera(&ground, field, &base, &clicks, options, progress)?))
 }
 
 /// Why a frame's camera is not put onto the paint.
@@ -130,10 +131,10 @@ pub fn camera_on_paint(
     field: &FieldModel,
     picture: &Picture,
     (options, from_nothing): (&FindOptions, bool),
-    watch: WatchFind<'_>,
+    progress: &Progress<'_, f64>,
 ) -> Result<(CameraBase, Snapped), OnPaintError> {
     if from_nothing {
-        let (base, found) = find_frame(document, frame, field, picture, options, watch)?;
+        let (base, found) = find_frame(document, frame, field, picture, options, progress)?;
         Ok((base, found.snapped))
     } else {
         let (base, snapped) = snap_frame(document, frame, field, picture, &options.snap)?;

@@ -5,8 +5,9 @@ use super::{BaseEstimationError, BaseProblem, EstimatedBase};
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldModel, Template};
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseModel, BaseOptions, FittedSize, FrameClicks, SizeParam, SizeStart, WatchBase, fit_field_size,
+    AdjustOptions, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks, SizeParam, SizeStart, fit_field_size,
 };
 use touchline_documents::document::DocumentAt;
 
@@ -21,20 +22,20 @@ impl BaseProblem {
     /// again. `document` is the one that the clicks were gathered from.
     ///
     /// # Errors
-    /// The clicks give no base, or it was ended.
+    /// The clicks give no base, or it was cancelled.
     pub fn estimate_with_size(
         &self,
         document: DocumentAt<'_>,
         options: &BaseOptions,
-        watch: WatchBase<'_>,
+        progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let found = self.estimate_watched(&document, options, watch)?;
+        let found = self.estimate(&document, options, progress)?;
         let ptz: Vec<_> = found.estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
         let model = &found.estimate.model;
         let sizes = self.fit_size(document, &self.clicks, (&found.estimate.base, &ptz), model)?;
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);
-        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
+        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate(&sized, options, progress)?;
         Ok(EstimatedBase { sizes, ..found })
     }
 

@@ -18,9 +18,10 @@ use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::field::FieldError;
+use touchline_core::progress::Progress;
 use touchline_documents::document::Document;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped, TrainProgress};
@@ -41,9 +42,6 @@ pub enum LearningProgress {
     /// The forest is trained.
     Training(TrainProgress),
 }
-
-/// Receives how far learning has come, from any thread. A break ends it.
-pub type WatchLearning<'a> = &'a (dyn Fn(LearningProgress) -> ControlFlow<()> + Sync);
 
 /// A forest and what it learnt from.
 #[derive(Debug)]
@@ -71,7 +69,7 @@ pub enum LearnForestError {
     Learn(#[from] LearnError),
 }
 
-/// Trains a forest on the training frames of a document. None if `watch` ended it.
+/// Trains a forest on the training frames of a document. None if `progress` cancelled it.
 ///
 /// # Errors
 /// There is nothing to learn from, or the document's cameras cannot be written down.
@@ -80,15 +78,16 @@ pub fn learn_forest(
     reader: &mut dyn ReadFrames,
     training_frames: &[usize],
     options: &LearnOptions,
-    watch: WatchLearning<'_>,
+    progress: &Progress<'_, LearningProgress>,
 ) -> Result<Option<LearntForest>, LearnForestError> {
     let num_done = AtomicUsize::new(0);
-    let studied = study(pictures, reader, training_frames, &|| {
+    let counted = progress.part(|()| {
         let done = num_done.fetch_add(1, Ordering::Relaxed) + 1;
-        watch(LearningProgress::Features { done, of: training_frames.len() })
+        LearningProgress::Features { done, of: training_frames.len() }
     });
+    let studied = study(pictures, reader, training_frames, &counted);
     let Some(studied) = studied else { return Ok(None) };
-    match learn(pictures.document, &studied, options, &|progress| watch(LearningProgress::Training(progress))) {
+    match learn(pictures.document, &studied, options, &progress.part(LearningProgress::Training)) {
         Ok(model) => Ok(Some(LearntForest { model, studied })),
         Err(LearnError::Stopped(Stopped::Asked)) => Ok(None),
         Err(error) => Err(explain_failure(error, pictures.document, studied)),
@@ -117,20 +116,17 @@ pub struct ForestRequest<'a> {
     pub options: RelocalizeOptions,
 }
 
-/// Receives the number of frames done, from any thread; first 0. A break ends the asking after the frames under way.
-pub type WatchFrames<'a> = &'a (dyn Fn(usize) -> ControlFlow<()> + Sync);
-
 /// What the forest proposes for some frames, all judged together by the painted lines if there is evidence of them. Proposals are in
-/// the order of `frames`, and fewer if `watch` ended it. A panic becomes the answer of its frame.
+/// the order of `frames`, and fewer if `progress` cancelled it. A panic becomes the answer of its frame.
 pub fn propose_on_lines(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
     frames: &[usize],
     forest: &ForestRequest<'_>,
     evidence: Option<&LineEvidence>,
-    watch: WatchFrames<'_>,
+    progress: &Progress<'_, usize>,
 ) -> Vec<Proposal> {
-    let mut proposals = propose_in_batches(pictures, reader, frames, forest, watch);
+    let mut proposals = propose_in_batches(pictures, reader, frames, forest, progress);
     if let Some(evidence) = evidence {
         let at = pictures.document.at(pictures.folder);
         evidence.judge(at, reader, &mut proposals, forest.options.pose.min_confidence);
@@ -143,13 +139,14 @@ fn propose_in_batches(
     reader: &mut dyn ReadFrames,
     frames: &[usize],
     forest: &ForestRequest<'_>,
-    watch: WatchFrames<'_>,
+    progress: &Progress<'_, usize>,
 ) -> Vec<Proposal> {
-    let is_stopped = AtomicBool::new(watch(0).is_break());
     let num_done = AtomicUsize::new(0);
+    // Whether it is cancelled already.
+    let _ = progress.report(0);
     let mut proposals = Vec::with_capacity(frames.len());
     for batch in frames.chunks(BATCH_FRAMES) {
-        if is_stopped.load(Ordering::Relaxed) {
+        if progress.is_cancelled() {
             break;
         }
         let of_batch = pictures.each(reader, batch, |index, _, features| {
@@ -160,9 +157,8 @@ fn propose_in_batches(
                 let reason = NoProposal::Panicked { message };
                 Proposal::without_answer(pictures.document, index, forest.generation, reason)
             });
-            if watch(num_done.fetch_add(1, Ordering::Relaxed) + 1).is_break() {
-                is_stopped.store(true, Ordering::Relaxed);
-            }
+            // The answers of a batch are kept: a break takes effect before the next one.
+            let _ = progress.report(num_done.fetch_add(1, Ordering::Relaxed) + 1);
             ControlFlow::Continue(proposal)
         });
         proposals.extend(of_batch.unwrap_or_default());
@@ -180,7 +176,7 @@ pub struct PictureFiles<'a> {
 }
 
 /// Asks a forest for frames of a document and records its answers there, as suggestions. With `snap`, answers are pulled onto the
-/// painted lines where these decide. Returns the proposals, for their reasons; fewer than `frames` if `watch` ended it. One that is not
+/// painted lines where these decide. Returns the proposals, for their reasons; fewer than `frames` if `progress` cancelled it. One that is not
 /// recorded, because the frame keeps a better camera, is [`NoProposal::NoBetter`].
 ///
 /// # Errors
@@ -192,12 +188,12 @@ pub fn label_frames(
     frames: &[usize],
     forest: &ForestRequest<'_>,
     snap: bool,
-    watch: WatchFrames<'_>,
+    progress: &Progress<'_, usize>,
 ) -> Result<Vec<Proposal>, FieldError> {
     let PictureFiles { folder, store } = files;
     let evidence = LineEvidence::of(document.at(folder), reader, snap)?;
     let pictures = FramePictures { document, folder, options: forest.model.features, store };
-    let mut proposals = propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), watch);
+    let mut proposals = propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), progress);
     for proposal in &mut proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };
         if proposal.may_replace_camera_of(frame) {

@@ -20,6 +20,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use thiserror::Error;
 use touchline_core::field::FieldError;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::RelocalizeOptions;
@@ -274,14 +275,14 @@ impl Labelling<'_> {
         let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
         let pictures =
             FramePictures { document: &accepted, folder: self.folder, options: options.features, store: &store };
-        let report = |progress| (self.watch)(MatchEvent::Learning(progress));
-        let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &report)? else { return Ok(()) };
+        let progress = Progress::new(|progress| (self.watch)(MatchEvent::Learning(progress)));
+        let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &progress)? else { return Ok(()) };
         let asked: Vec<usize> =
             (0..self.document.frames.len()).filter(|&index| self.document.frames[index].ptz.is_none()).collect();
         let forest = ForestRequest { model: &learnt.model, generation: 0, options: RelocalizeOptions::default() };
         let files = PictureFiles { folder: self.folder, store: &store };
-        let report = |done| (self.watch)(MatchEvent::Asking { done, of: asked.len() });
-        label_frames(self.document, files, self.reader, &asked, &forest, true, &report)?;
+        let progress = Progress::new(|done| (self.watch)(MatchEvent::Asking { done, of: asked.len() }));
+        label_frames(self.document, files, self.reader, &asked, &forest, true, &progress)?;
         Ok(())
     }
 }

@@ -14,6 +14,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_core::field::FieldError;
 use touchline_core::geometry::mean;
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{Camera, CameraId, Document, FieldSize, Fields, Frame};
 use touchline_vision::media::ReadFrames;
@@ -129,7 +130,8 @@ pub fn give_first_base(
     if document.camera(camera).and_then(Camera::base).is_some() {
         return Ok(());
     }
-    let estimated = BaseProblem::of(document.at(folder), camera)?.estimate(&document.at(folder), options)?;
+    let problem = BaseProblem::of(document.at(folder), camera)?;
+    let estimated = problem.estimate(document, options, &Progress::default())?;
     estimated.write_to(document, folder)
 }
 
@@ -266,10 +268,10 @@ impl Tracking<'_> {
         let (reader, folder) = (&mut *self.reader, self.folder);
         let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, folder).ok();
         let options = BaseOptions::default();
-        let go_on = |_| ControlFlow::Continue(());
         // A size that was only assumed bends the base to it.
         let is_size_open = *tracked.field_of_camera(camera).size() == FieldSize::Assumed;
-        let found = estimate_on_paint(tracked.at(folder), camera, &options, is_size_open, &mut picture, &go_on);
+        let found =
+            estimate_on_paint(tracked.at(folder), camera, &options, is_size_open, &mut picture, &Progress::default());
         let Ok(found) = found else { return Ok(None) };
         let seen = found.seen.clone();
         let is_better = seen

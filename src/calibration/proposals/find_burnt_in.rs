@@ -7,6 +7,7 @@ use super::{FramePictures, read_picture};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use touchline_core::camera::PtzCamera;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{
     BurntInGraphic, Features, ReducedPicture, StandingGraphic, burnt_in, standing_graphics,
@@ -31,11 +32,11 @@ struct Seen {
 
 /// Finds the graphics that are burnt into the pictures of every camera, outside the masks that it has. Two pictures between
 /// which the camera moved suffice; where cameras are known they say whether it did. Pictures that cannot be read are passed over.
-/// `progress` is asked after each picture, from any thread, and may end it: none then.
+/// Each picture is a step. None if `progress` cancelled it.
 pub fn find_burnt_in(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
-    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, ()>,
 ) -> Option<Vec<FoundMask>> {
     let mut found = Vec::new();
     for camera in &pictures.document.cameras {
@@ -44,7 +45,7 @@ pub fn find_burnt_in(
         let looked_at = spread(of_camera.clone(), LOOKED_AT);
         let with_features = spread(looked_at.clone(), LOOKED_AT / FEATURES_EVERY);
         let seen = pictures.each_picture(reader, &looked_at, |index, frame, picture| {
-            progress()?;
+            progress.report(())?;
             let Ok(picture) = picture else { return ControlFlow::Continue(None) };
             let wanted = with_features.binary_search(&index).is_ok();
             let features = wanted.then(|| pictures.features_in(frame, &picture).ok()).flatten();
@@ -65,13 +66,13 @@ pub fn find_burnt_in(
     Some(found)
 }
 
-/// The graphics that stand throughout or for a while, by their edges; none where `progress` ended it.
+/// The graphics that stand throughout or for a while, by their edges; none if `progress` cancelled it.
 fn by_edges(
     pictures: &FramePictures<'_>,
     camera: &Camera,
     reader: &mut dyn ReadFrames,
     (of_camera, seen): (&[usize], &[Seen]),
-    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, ()>,
 ) -> Option<Vec<FoundMask>> {
     let document = pictures.document;
     let reduced: Vec<ReducedPicture> = seen.iter().map(|seen| seen.reduced.clone()).collect();
@@ -106,19 +107,19 @@ fn by_edges(
 }
 
 /// Of the camera's frames between one that shows a graphic and one that does not, the one without it that is nearest to those with
-/// it; none where `progress` ended it. A frame that cannot be read counts as one that shows it.
+/// it; none if `progress` cancelled it. A frame that cannot be read counts as one that shows it.
 fn last_without(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
     graphic: &StandingGraphic,
     of_camera: &[usize],
     [shown, without]: [usize; 2],
-    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, ()>,
 ) -> Option<usize> {
     let place = |frame: usize| of_camera.binary_search(&frame).unwrap_or_default();
     let (mut shown, mut without) = (place(shown), place(without));
     while shown.abs_diff(without) > 1 {
-        if progress().is_break() {
+        if progress.report(()).is_break() {
             return None;
         }
         let middle = usize::midpoint(shown, without);

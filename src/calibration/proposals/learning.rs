@@ -9,6 +9,7 @@ use std::sync::Arc;
 use thiserror::Error;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, Document, Extra, Fields, Frame, Frames, WriteError, document_to_string};
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::media::ReadFrames;
@@ -76,13 +77,12 @@ pub struct Studied {
     pub burnt_in: Vec<FoundMask>,
 }
 
-/// Finds the features of references and the rays they show, in parallel. `progress` is called after each, from any thread, and
-/// may end it: none then.
+/// Finds the features of references and the rays they show, in parallel. Each reference is a step. None if `progress` cancelled it.
 pub fn study(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
     training_frames: &[usize],
-    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, ()>,
 ) -> Option<Studied> {
     let document = pictures.document;
     // A field that is not valid leaves labels as well known as four clicks tell.
@@ -92,7 +92,7 @@ pub fn study(
         let sample = found
             .map_err(TrainingSampleError::from)
             .and_then(|found| training_sample(document, field, (index, frame), &found));
-        progress()?;
+        progress.report(())?;
         ControlFlow::Continue((index, sample))
     })?;
     let mut studied = Studied::default();
@@ -124,16 +124,16 @@ fn training_sample(
     Ok(TrainingSample::new((index, frame), &pointed, label, features))
 }
 
-/// The forests trained on references, one for each camera that has any, in the document's order. `progress` is called
-/// now and then from any thread, camera after camera, and may end it.
+/// The forests trained on references, one for each camera that has any, in the document's order, camera after
+/// camera.
 ///
 /// # Errors
-/// There is nothing to learn from, `progress` ended it, or the document's cameras cannot be written down.
+/// There is nothing to learn from, `progress` cancelled it, or the document's cameras cannot be written down.
 pub fn learn(
     document: &Document,
     studied: &Studied,
     options: &LearnOptions,
-    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, TrainProgress>,
 ) -> Result<ForestModel, LearnError> {
     let training_samples = &studied.training_samples;
     let mut cameras = Vec::new();
@@ -153,12 +153,12 @@ pub fn learn(
 /// The forest of one camera, its references' labels made to fit each other; none where it has no training sample.
 ///
 /// # Errors
-/// `progress` ended it, or there are too many samples.
+/// `progress` cancelled it, or there are too many samples.
 fn learn_camera<'a>(
     camera: &CameraId,
     training_samples: impl Iterator<Item = (&'a TrainingSample, PtzCamera)>,
     options: &TrainOptions,
-    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, TrainProgress>,
 ) -> Result<Option<CameraForest>, Stopped> {
     let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) =
         training_samples.filter(|(sample, _)| !sample.rays.is_empty()).unzip();

@@ -9,10 +9,10 @@
 use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::median;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
@@ -137,38 +137,53 @@ struct Collected {
     cameras: Vec<(Ptz, Mat3)>,
 }
 
-/// Leaves references out and asks for them. `progress` is called with the groups done and those to do, from any thread,
-/// and may end it. None where it did, or where nothing is left to learn from without a group.
+/// How many groups of references were left out and asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct QualityProgress {
+    /// Groups done.
+    pub done: usize,
+    /// Groups in all; 0 while features are found.
+    pub of: usize,
+}
+
+/// Leaves references out and asks for them. None if `progress` cancelled it, or where nothing is left to learn from without a
+/// group.
 pub fn measure(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
     training_frames: &[usize],
     options: &LearnOptions,
     relocalizing: &RelocalizeOptions,
-    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, QualityProgress>,
 ) -> Option<Quality> {
     let document = pictures.document;
     let camera = most_used(document, training_frames)?;
     let base = camera.base()?;
     let of_camera: Vec<usize> =
         training_frames.iter().copied().filter(|&index| document.frames[index].camera == camera.id).collect();
-    let collected = Collected::from(pictures, reader, &spread(of_camera, MOST_REFERENCES), &|| progress(0, 0))?;
+    let collected = Collected::from(
+        pictures,
+        reader,
+        &spread(of_camera, MOST_REFERENCES),
+        &progress.part(|()| QualityProgress::default()),
+    )?;
     let (left_out_by, mut groups) = groups(document, &collected.frames);
     groups.retain(|group| group.left_out.len() < collected.frames.len());
     let count = groups.len();
     let groups = spread(groups, MOST_GROUPS);
     let mut asked = Vec::new();
     for (done, group) in groups.iter().enumerate() {
-        progress(done, groups.len()).continue_value()?;
-        let going_on = |_| progress(done, groups.len());
-        let forest = match train_without(&collected.samples, &group.left_out, &options.train, &going_on) {
-            Ok(forest) => forest,
-            Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
-            Err(Stopped::Asked) => return None,
-        };
+        let so_far = QualityProgress { done, of: groups.len() };
+        progress.report(so_far).continue_value()?;
+        let forest =
+            match train_without(&collected.samples, &group.left_out, &options.train, &progress.part(|_| so_far)) {
+                Ok(forest) => forest,
+                Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
+                Err(Stopped::Asked) => return None,
+            };
         let Some(seen) = collected.seen_without(&group.left_out) else { continue };
         let frames: Vec<usize> = group.asked.iter().map(|&place| collected.frames[place]).collect();
-        let Studied { training_samples, .. } = study(pictures, reader, &frames, &|| progress(done, groups.len()))?;
+        let Studied { training_samples, .. } = study(pictures, reader, &frames, &progress.part(|()| so_far))?;
         for sample in training_samples {
             let frame = &document.frames[sample.frame];
             let Some(truth) = camera.pointed(frame) else { continue };
@@ -187,12 +202,12 @@ pub fn measure(
 }
 
 impl Collected {
-    /// The samples of some frames, in their order; none where `progress` ended it.
+    /// The samples of some frames, in their order; none if `progress` cancelled it.
     fn from(
         pictures: &FramePictures<'_>,
         reader: &mut dyn ReadFrames,
         training_frames: &[usize],
-        progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+        progress: &Progress<'_, ()>,
     ) -> Option<Self> {
         let mut collected = Self::default();
         for few in training_frames.chunks(BATCH) {

@@ -2,8 +2,8 @@
 
 use super::{FramePictures, Studied, TrainingSample, study};
 use std::cmp::Reverse;
-use std::ops::ControlFlow;
 use touchline_core::geometry::{Angle, AngleRange};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
@@ -22,13 +22,13 @@ pub struct Suspect {
     pub disagreement_px: f64,
 }
 
-/// The training frames to look at, the most contradicted first. `progress` is called now and then from any thread, and may end it:
-/// none then.
+/// The training frames to look at, the most contradicted first. Each reference is a step. None if
+/// `progress` cancelled it.
 pub fn find_suspects(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
     training_frames: &[usize],
-    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, ()>,
 ) -> Option<Vec<Suspect>> {
     let document = pictures.document;
     let mut found = Vec::new();

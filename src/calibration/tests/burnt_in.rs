@@ -133,10 +133,10 @@ fn pairs_count_only_where_the_cameras_moved() {
 /// Drawn frames with score bug, lower third and logo, and no mask.
 #[cfg(feature = "opencv")]
 mod drawn {
-    use std::ops::ControlFlow;
     use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::ImageSize;
+    use touchline_core::progress::Progress;
     use touchline_vision::features::{FeatureOptions, Features, burnt_in, extract};
     use touchline_vision::media::Picture;
     use touchline_vision::relocalize::{
@@ -189,7 +189,7 @@ mod drawn {
                 }));
             }
             let seen = SeenRange::of(&cameras.iter().map(PtzCamera::ptz).collect::<Vec<_>>()).unwrap();
-            (train(&samples, &TrainOptions::default(), &|_| ControlFlow::Continue(())).unwrap(), seen)
+            (train(&samples, &TrainOptions::default(), &Progress::default()).unwrap(), seen)
         }
 
         fn answer(&self, asked: &Features, (forest, seen): (&Forest, &SeenRange)) -> Result<Pose, NotFound> {
@@ -240,12 +240,12 @@ mod drawn {
 #[cfg(feature = "opencv")]
 mod videos {
     use std::cell::Cell;
-    use std::ops::ControlFlow;
     use std::path::Path;
     use touchline_calibration::proposals::{FeatureStore, FoundMask, FramePictures, find_burnt_in};
     use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImageSize, PixelBox};
+    use touchline_core::progress::Progress;
     use touchline_documents::document::{Document, Frame, VideoFrame, document_from_bytes};
     use touchline_vision::features::FeatureOptions;
     use touchline_vision::media::{FrameRef, MediaError, Picture, ReadFrames};
@@ -304,7 +304,7 @@ mod videos {
             let folder = Path::new("nowhere");
             let pictures =
                 FramePictures { document: &document, folder, options: FeatureOptions::default(), store: &store };
-            find_burnt_in(&pictures, self, &|| ControlFlow::Continue(())).unwrap()
+            find_burnt_in(&pictures, self, &Progress::default()).unwrap()
         }
     }
 

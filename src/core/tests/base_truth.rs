@@ -10,10 +10,11 @@ use std::sync::Mutex;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, BesideFrames, CameraClicks, CrownModel,
-    FrameClicks, LensModel, adjust_base, estimate_base, estimate_base_watched,
+    FrameClicks, LensModel, adjust_base, estimate_base,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -101,7 +102,8 @@ fn exact_clicks_give_the_exact_base() {
     let base = true_base(FocalCurve::NONE);
     let (frames, truth) = frames(&base, &field, 8, 12, 0.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
+    let found =
+        estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options, &Progress::default()).unwrap();
     assert!((found.base.position_m - base.position_m).norm() < 1e-4, "{:?}", found.base.position_m);
     let turned = found.base.rotation_from(&base);
     assert!(turned.norm() < 1e-5, "{turned:?} {:?}", found.base);
@@ -127,7 +129,9 @@ fn the_position_is_as_good_as_its_sigma_says() {
         let (mut squares, trials) = (0.0, 6);
         for _ in 0..trials {
             let (frames, _) = frames(&base, &field, count, 10, 2.0, &mut rng);
-            let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
+            let found =
+                estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options, &Progress::default())
+                    .unwrap();
             let z = z_scores(&found.base, &base);
             assert!(z.amax() < 4.0, "{count} frames: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
@@ -170,7 +174,9 @@ fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_error
         for _ in 0..trials {
             let (mut clicked, truth) = frames(&base, &field, count, 12, 2.0, &mut rng);
             let good = if spoiled { spoil(&mut clicked, &mut rng).1 } else { clicked.clone() };
-            let found = estimate_base(&CameraClicks::centred(&field, &clicked, SIZE), None, &options).unwrap();
+            let found =
+                estimate_base(&CameraClicks::centred(&field, &clicked, SIZE), None, &options, &Progress::default())
+                    .unwrap();
             let z = (found.base.position_m - base.position_m).component_div(&bound_m(&base, &field, &good, &truth));
             assert!(z.amax() < 3.0, "{count} frames, spoiled {spoiled}: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
@@ -203,7 +209,13 @@ fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
     let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2, ..FocalCurve::NONE });
     let (mut frames, _) = frames(&base, &field, 20, 12, 2.0, &mut rng);
     let (wrong, _) = spoil(&mut frames, &mut rng);
-    let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &BaseOptions::default()).unwrap();
+    let found = estimate_base(
+        &CameraClicks::centred(&field, &frames, SIZE),
+        None,
+        &BaseOptions::default(),
+        &Progress::default(),
+    )
+    .unwrap();
     assert!(z_scores(&found.base, &base).amax() < 4.0, "{:?}", found.base);
     let named: Vec<(usize, usize)> = found.disputed.iter().map(|click| (click.frame, click.click)).collect();
     let missed = wrong.iter().filter(|click| !named.contains(click)).count();
@@ -217,7 +229,8 @@ fn what_cannot_be_estimated_says_why() {
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
     let estimate = |frames: &[FrameClicks]| {
-        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default()).unwrap_err()
+        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default(), &Progress::default())
+            .unwrap_err()
     };
     assert!(matches!(estimate(&[]), BaseError::NoStart { frames: 0, most_landmarks: 0 }));
     let (three, _) = frames(&base, &field, 4, 3, 1.0, &mut rng);
@@ -250,14 +263,20 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
         frame.observations.retain(on_halfway_line);
     }
     assert!(one_line.iter().any(|frame| frame.observations.len() > 3), "four of them are on it");
-    let error =
-        estimate_base(&CameraClicks::centred(&field, &one_line, SIZE), None, &BaseOptions::default()).unwrap_err();
+    let error = estimate_base(
+        &CameraClicks::centred(&field, &one_line, SIZE),
+        None,
+        &BaseOptions::default(),
+        &Progress::default(),
+    )
+    .unwrap_err();
     assert!(matches!(error, BaseError::NoStart { .. }), "{error}");
     assert!(error.to_string().contains("that are not on one line"), "{error}");
 
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let estimate =
-        |frames: &[FrameClicks]| estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options).unwrap();
+    let estimate = |frames: &[FrameClicks]| {
+        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options, &Progress::default()).unwrap()
+    };
     assert_eq!(estimate(&many).one_view(), None);
     let same = vec![many[3].clone(); 5];
     let told = estimate(&same).one_view().unwrap();
@@ -271,8 +290,9 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
     // From left to right.
     let (many, _) = frames(&true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let estimate =
-        |frames: &[FrameClicks]| estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options).unwrap();
+    let estimate = |frames: &[FrameClicks]| {
+        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options, &Progress::default()).unwrap()
+    };
     for (few, side) in [(&many[4..7], BesideFrames::Left), (&many[1..4], BesideFrames::Right)] {
         let advised = estimate(few).one_more_frame.unwrap();
         assert_eq!(advised.side, side, "{advised}");
@@ -287,12 +307,13 @@ fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
     let (frames, _) = frames(&true_base(FocalCurve::NONE), &field(0.0), 8, 8, 1.0, &mut rng);
     let estimate = |patience: usize| {
         let told: Mutex<Vec<BaseProgress>> = Mutex::new(Vec::new());
-        let watch = |progress: BaseProgress| {
+        let progress = Progress::new(|progress: BaseProgress| {
             told.lock().unwrap().push(progress);
             if progress.done < patience { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        };
+        });
         let options = BaseOptions::default();
-        let found = estimate_base_watched(&CameraClicks::centred(&field(0.0), &frames, SIZE), None, &options, &watch);
+        let found = estimate_base(&CameraClicks::centred(&field(0.0), &frames, SIZE), None, &options, &progress);
+        drop(progress);
         (found, told.into_inner().unwrap())
     };
     let (found, told) = estimate(usize::MAX);

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{ImageSize, Vec2, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base};
 use touchline_core::solve::{Observation, ObservedShape, SolveContext, solve_frame};
 
@@ -172,7 +173,9 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                     FrameClicks { observations, start: None }
                 })
                 .collect();
-            let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
+            let found =
+                estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options, &Progress::default())
+                    .unwrap();
             let off = found.base.position_m - nominal_base().position_m;
             stated.push(found.base.sigma.position_m);
             for axis in 0..3 {

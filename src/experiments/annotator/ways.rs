@@ -12,6 +12,7 @@ use touchline_calibration::proposals::{
     Coverage, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, label_advice, learn, propose,
     read_picture, study,
 };
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Document, Frame, FrameStatus};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::RelocalizeOptions;
@@ -205,10 +206,8 @@ fn propose_some(
     let pictures = FramePictures { document: &before, folder: clip.folder(), options: options.features, store };
     let mut reader = FrameReader::new();
     let training = TrainingFrames::of(&before, false);
-    let go_on = || ControlFlow::Continue(());
-    let studied = study(&pictures, &mut reader, &training.frames, &go_on).unwrap_or_default();
-    let model =
-        learn(&before, &studied, &options, &|_| ControlFlow::Continue(())).map_err(|error| wrong(clip, &error))?;
+    let studied = study(&pictures, &mut reader, &training.frames, &Progress::default()).unwrap_or_default();
+    let model = learn(&before, &studied, &options, &Progress::default()).map_err(|error| wrong(clip, &error))?;
     let asked: Vec<usize> = places.iter().copied().filter(|at| before.frames[*at].is_open()).collect();
     let asking = RelocalizeOptions::default();
     let proposals = pictures.each(&mut reader, &asked, |frame, _, found| {

@@ -10,11 +10,11 @@ use super::evidence::{Chains, EvidenceMaps};
 use super::strokes::Strokes;
 use super::{GroundPicture, SnapError, SnapOptions, Snapped, snap};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, AngleRange, ImageSize};
+use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 
 /// How a camera is searched for.
@@ -80,13 +80,10 @@ pub enum FindError {
         /// How far apart the overlays are, px.
         apart_px: f64,
     },
-    /// It was given up.
+    /// It was cancelled.
     #[error("the search was stopped")]
     Stopped,
 }
-
-/// How far a search has come, from 0 to 1.
-pub type WatchFind<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
 
 /// A camera found.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +133,8 @@ const LEAST_PAINT_PX: f64 = 500.0;
 /// The search over the grid is this share of the work.
 const GRID_WORK: f64 = 0.7;
 
-/// Finds the camera of a picture by its painted lines, tied to `clicks` where there are any; `watch` is told of the progress and may end it.
+/// Finds the camera of a picture by its painted lines, tied to `clicks` where there are any; `progress` receives
+/// the share that is done, from 0 to 1.
 ///
 /// # Errors
 /// [`FindError`] names what is missing: paint, a camera that fits it, or the certainty that no other one does.
@@ -146,7 +144,7 @@ pub fn find_camera(
     base: &CameraBase,
     clicks: &[Observation],
     options: &FindOptions,
-    watch: WatchFind<'_>,
+    progress: &Progress<'_, f64>,
 ) -> Result<Found, FindError> {
     let scale = ground.size().scale_from_1920();
     let strokes = Strokes::of(ground);
@@ -155,8 +153,8 @@ pub fn find_camera(
         return Err(FindError::TooLittlePaint { found_px, needed_px });
     }
     let search = Search { ground, field, base, clicks, options, strokes, scale };
-    let likely = search.likely(watch)?;
-    search.decided(&likely, watch)
+    let likely = search.likely(progress)?;
+    search.decided(&likely, progress)
 }
 
 /// What stays the same during a search.
@@ -221,13 +219,13 @@ impl Search<'_> {
     }
 
     /// The likeliest cameras, far from each other, the best first.
-    fn likely(&self, watch: WatchFind<'_>) -> Result<Vec<Node>, FindError> {
+    fn likely(&self, progress: &Progress<'_, f64>) -> Result<Vec<Node>, FindError> {
         let look = self.look(COARSE_REACH_PX, COARSE_PIECE_M);
         let Some(region) = Region::of(&look.chains) else { return Ok(Vec::new()) };
         let focals_px = self.focals_px();
         let mut nodes: Vec<Node> = Vec::new();
         for (level, focal_px) in focals_px.iter().enumerate() {
-            if watch(GRID_WORK * level as f64 / focals_px.len() as f64).is_break() {
+            if progress.report(GRID_WORK * level as f64 / focals_px.len() as f64).is_break() {
                 return Err(FindError::Stopped);
             }
             let grid = region.grid(*focal_px, GRID_PX * self.scale);
@@ -289,12 +287,12 @@ impl Search<'_> {
     }
 
     /// The likely cameras snapped, and the best of them if the paint decides for it.
-    fn decided(&self, likely: &[Node], watch: WatchFind<'_>) -> Result<Found, FindError> {
+    fn decided(&self, likely: &[Node], progress: &Progress<'_, f64>) -> Result<Found, FindError> {
         let painted = PaintedCells::of(&self.strokes);
         let mut refused = None;
         let mut fits: Vec<(Agreement, Snapped)> = Vec::new();
         for (index, node) in likely.iter().enumerate() {
-            if watch(GRID_WORK + (1.0 - GRID_WORK) * index as f64 / likely.len() as f64).is_break() {
+            if progress.report(GRID_WORK + (1.0 - GRID_WORK) * index as f64 / likely.len() as f64).is_break() {
                 return Err(FindError::Stopped);
             }
             match snap(self.ground, self.field, self.base, node.ptz, self.clicks, &self.options.snap) {
@@ -371,6 +369,7 @@ mod tests {
     use super::*;
     use crate::media::Picture;
     use crate::paint::drawn::{PICTURE, SIZE, soccer, truth};
+    use std::ops::ControlFlow;
     use touchline_core::geometry::Vec3;
 
     /// Few focal lengths, for speed; the truth's is 2250 px at 1920 px width.
@@ -378,7 +377,7 @@ mod tests {
         || FindOptions { focal_px: (2150.0, 2350.0), tried: 6, ..FindOptions::default() };
 
     fn found(picture: &Picture, base: &CameraBase) -> Result<Found, FindError> {
-        find_camera(&GroundPicture::new(picture, &[]), &soccer(), base, &[], &OPTIONS(), &|_| ControlFlow::Continue(()))
+        find_camera(&GroundPicture::new(picture, &[]), &soccer(), base, &[], &OPTIONS(), &Progress::default())
     }
 
     #[test]
@@ -402,8 +401,8 @@ mod tests {
         let refused = found(&turf, truth().base()).unwrap_err();
         assert!(matches!(refused, FindError::TooLittlePaint { found_px, .. } if found_px == 0.0), "{refused:?}");
         let ground = GroundPicture::new(&PICTURE, &[]);
-        let stop = |_| ControlFlow::Break(());
-        let stopped = find_camera(&ground, &soccer(), truth().base(), &[], &OPTIONS(), &stop);
+        let cancelled = Progress::new(|_| ControlFlow::Break(()));
+        let stopped = find_camera(&ground, &soccer(), truth().base(), &[], &OPTIONS(), &cancelled);
         assert_eq!(stopped, Err(FindError::Stopped));
     }
 }

@@ -46,7 +46,7 @@ pub use across::Ridge;
 pub use agreement::Agreement;
 pub use check::{LineCheck, check_lines, overlays_apart_px};
 pub use error::SnapError;
-pub use find::{FindError, FindOptions, Found, WatchFind, find_camera};
+pub use find::{FindError, FindOptions, Found, find_camera};
 pub use ground::GroundPicture;
 pub use persistent::{PersistentPoint, SeenGround, persistent_paint};
 pub use placed_point::{PointSnapOptions, SnappedPoint};

@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::camera::PanTilt;
 use touchline_core::geometry::Angle;
+use touchline_core::progress::Progress;
 use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use touchline_vision::relocalize::{
     CameraForest, FOREST_VERSION, Forest, ForestFileError, ForestModel, PredictOptions, Samples, Search, SeenRange,
@@ -48,7 +49,7 @@ fn samples(scene: &[(Descriptor, PanTilt)], frames: usize, rng: &mut Pcg64Mcg) -
 }
 
 fn trained(samples: &Samples, options: &TrainOptions) -> Forest {
-    train(samples, options, &|_| ControlFlow::Continue(())).unwrap()
+    train(samples, options, &Progress::default()).unwrap()
 }
 
 fn model(forest: Forest) -> ForestModel {
@@ -139,13 +140,13 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
         }
         samples
     };
-    let goes_on = |_: TrainProgress| ControlFlow::Continue(());
     for options in [TrainOptions::default(), TrainOptions::published()] {
         let options = TrainOptions { frames_per_tree: options.frames_per_tree.map(|_| 2), ..options };
-        let without = train_without(&of(&[0, 1, 2, 3, 4]), &BTreeSet::from([1, 3]), &options, &goes_on).unwrap();
+        let without =
+            train_without(&of(&[0, 1, 2, 3, 4]), &BTreeSet::from([1, 3]), &options, &Progress::default()).unwrap();
         assert!(model(without).to_bytes() == model(trained(&of(&[0, 2, 4]), &options)).to_bytes());
     }
-    let none = train_without(&of(&[0, 1]), &BTreeSet::from([0, 1]), &TrainOptions::default(), &goes_on);
+    let none = train_without(&of(&[0, 1]), &BTreeSet::from([0, 1]), &TrainOptions::default(), &Progress::default());
     assert_eq!(none, Err(Stopped::NoSamples { frames: 2 }));
 }
 
@@ -244,18 +245,18 @@ fn training_can_be_stopped_and_counts_honestly() {
     let mut rng = rng("training_can_be_stopped_and_counts_honestly");
     let samples = samples(&scene(2000, &mut rng), 2, &mut rng);
     let most = AtomicUsize::new(0);
-    let watch = |progress: touchline_vision::relocalize::TrainProgress| {
+    let counted = Progress::new(|progress: TrainProgress| {
         most.fetch_max(progress.placed, Ordering::Relaxed);
         assert_eq!(progress.total, 12_000);
         ControlFlow::Continue(())
-    };
-    train(&samples, &TrainOptions::default(), &watch).unwrap();
+    });
+    train(&samples, &TrainOptions::default(), &counted).unwrap();
     assert_eq!(most.load(Ordering::Relaxed), 12_000);
-    let stopped = train(&samples, &TrainOptions::default(), &|_| ControlFlow::Break(()));
+    let stopped = train(&samples, &TrainOptions::default(), &Progress::new(|_| ControlFlow::Break(())));
     assert_eq!(stopped.unwrap_err(), Stopped::Asked);
     let mut nothing = Samples::new();
     nothing.add_frame([]);
-    let error = train(&nothing, &TrainOptions::default(), &|_| ControlFlow::Continue(())).unwrap_err();
+    let error = train(&nothing, &TrainOptions::default(), &Progress::default()).unwrap_err();
     assert_eq!(error.to_string(), "1 references give no features to learn from");
 }
 

@@ -9,6 +9,7 @@ use touchline::calibrate::{
 };
 use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames, VideoFrame};
 use touchline::media::FrameSource;
+use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
 use touchline::store::read;
 
@@ -44,7 +45,7 @@ impl Clicked {
         let mut clicked = read(&folder.join("clicks.json")).unwrap().1;
         let camera = clicked.cameras[0].id.clone();
         let problem = BaseProblem::of(clicked.at(&folder), &camera).unwrap();
-        problem.estimate(&clicked, &BaseOptions::default()).unwrap().write_camera(&mut clicked);
+        problem.estimate(&clicked, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut clicked);
         solve_document(&mut clicked, &folder, &|| ()).unwrap();
         if let Some(clip) = clip {
             clicked.frames.retain(|frame| frame.clip.as_ref() == Some(clip));

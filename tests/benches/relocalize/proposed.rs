@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use touchline::media::ReadFrames;
+use touchline::progress::Progress;
 use touchline::proposals::{FramePictures, LearnError, LearnOptions, LineEvidence, Proposal, learn, propose, study};
 use touchline::relocalize::RelocalizeOptions;
 
@@ -14,9 +15,8 @@ pub fn proposed(
     asked: &[usize],
 ) -> Result<Vec<Proposal>, LearnError> {
     let (document, options) = (pictures.document, RelocalizeOptions::default());
-    let going_on = || ControlFlow::Continue(());
-    let studied = study(pictures, reader, references, &going_on).unwrap();
-    let model = learn(document, &studied, &LearnOptions::default(), &|_| going_on())?;
+    let studied = study(pictures, reader, references, &Progress::default()).unwrap();
+    let model = learn(document, &studied, &LearnOptions::default(), &Progress::default())?;
     let proposals = pictures.each(reader, asked, |index, _, found| {
         ControlFlow::Continue(propose(document, index, found, (&model, 0), &options))
     });

@@ -9,6 +9,7 @@ use touchline::document::{Document, Frame};
 use touchline::features::{FeatureOptions, extract};
 use touchline::field::FieldModel;
 use touchline::media::load_image;
+use touchline::progress::Progress;
 use touchline::relocalize::{Forest, PoseOptions, RelocalizeOptions, Relocalized, SeenRange, TrainOptions, relocalize};
 use touchline::solve::base::BaseOptions;
 use touchline::store::read;
@@ -22,7 +23,7 @@ pub fn document(data: &Path, name: &str) -> Document {
     let mut document = read(&folder.join("clicks.json")).unwrap().1;
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(&folder), &camera).unwrap();
-    let estimate = problem.estimate(&document, &BaseOptions::default()).unwrap();
+    let estimate = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
     estimate.write_camera(&mut document);
     solve_document(&mut document, &folder, &|| ()).unwrap();
     document

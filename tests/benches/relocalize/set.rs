@@ -8,6 +8,7 @@ use touchline::document::{Document, Frame};
 use touchline::features::{FeatureCache, FeatureKey, FeatureOptions, Features, burnt_in, extract};
 use touchline::geometry::rotation;
 use touchline::media::{load_image, sha256_of_file};
+use touchline::progress::Progress;
 use touchline::relocalize::{Forest, Samples, SeenRange, TrainOptions, train};
 use touchline::store::read;
 
@@ -106,7 +107,7 @@ fn features_of(document: &Document, folder: &Path, frame: &Frame, options: &Feat
 }
 
 pub fn grown(samples: &Samples, options: &TrainOptions) -> Forest {
-    train(samples, options, &|_| ControlFlow::Continue(())).unwrap()
+    train(samples, options, &Progress::default()).unwrap()
 }
 
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {

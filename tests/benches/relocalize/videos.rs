@@ -11,6 +11,7 @@ use touchline::document::{Document, Frame, VideoFrame, document_from_bytes};
 use touchline::features::FeatureOptions;
 use touchline::markings::LineVerdict;
 use touchline::media::{FrameReader, FrameSource};
+use touchline::progress::Progress;
 use touchline::proposals::{
     Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, WorkFolder, learn,
     overlay_error_px, propose, study,
@@ -46,13 +47,12 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         FramePictures { document: &document, folder: data, options: FeatureOptions::default(), store: &store };
     let at = document.at(data);
     let mut reader = FrameReader::new();
-    let going_on = || ControlFlow::Continue(());
     let training = TrainingFrames::of_solved(&document).frames;
-    let studied = study(&pictures, &mut reader, &training, &going_on).unwrap();
+    let studied = study(&pictures, &mut reader, &training, &Progress::default()).unwrap();
     for mask in &studied.burnt_in {
         println!("<!-- {} -->", mask.describe(&document));
     }
-    let model = learn(&document, &studied, &LearnOptions::default(), &|_| going_on()).unwrap();
+    let model = learn(&document, &studied, &LearnOptions::default(), &Progress::default()).unwrap();
     let asked: Vec<usize> = (clicked..document.frames.len()).collect();
     let options = RelocalizeOptions::default();
     let proposals = pictures.each(&mut reader, &asked, |index, _, found| {
@@ -85,7 +85,7 @@ fn labelled(data: &Path, clicks: &str) -> Document {
     let mut document = document_from_bytes(clicks.as_bytes()).unwrap();
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(data), &camera).unwrap();
-    problem.estimate(&document, &BaseOptions::default()).unwrap().write_camera(&mut document);
+    problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut document);
     solve_document(&mut document, data, &|| ()).unwrap();
     document
 }

@@ -6,6 +6,7 @@ use std::fmt;
 use std::io;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use touchline_core::progress::Progress;
 use touchline_vision::media::ReadFrames;
 
 /// A request that is to be run on a thread of its own. Which operation it is stays inside.
@@ -130,6 +131,12 @@ impl<P> Context<'_, P> {
     pub fn report(&self, progress: P) -> ControlFlow<()> {
         (self.send)(progress);
         self.check()
+    }
+
+    /// The progress of the work, for the functions that do it.
+    #[must_use]
+    pub fn progress(&self) -> Progress<'_, P> {
+        Progress::new(|progress| self.report(progress))
     }
 
     /// Whether to go on: a break once the request has been cancelled.

@@ -5,7 +5,6 @@ use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::session::{Level, SidePanel};
 use crate::app::{App, Command};
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
@@ -14,6 +13,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::counted;
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, BaseProgress};
 use touchline_documents::document::{CameraId, Document, Frame, Step};
 
@@ -85,7 +85,7 @@ impl Operation for BaseEstimate {
 
     fn run(&self, context: &Context<'_, EstimateProgress>) -> Result<Box<EstimatedBase>, BaseEstimateError> {
         let reported = Mutex::new(None);
-        let report = |progress: EstimateProgress| {
+        let progress = Progress::new(|progress: EstimateProgress| {
             // Adjustments are made by several threads, whose counts overtake each other on the way.
             let mut reported = reported.lock().unwrap_or_else(PoisonError::into_inner);
             if reported.is_some_and(|before| !progress.is_later_than(before)) {
@@ -93,9 +93,8 @@ impl Operation for BaseEstimate {
             }
             *reported = Some(progress);
             context.report(progress)
-        };
-        let adjusting = |progress| report(EstimateProgress::Adjusting(progress));
-        if self.with_paint { self.estimate_on_paint(context, &adjusting, &report) } else { self.estimate(&adjusting) }
+        });
+        if self.with_paint { self.estimate_on_paint(context, &progress) } else { self.estimate(&progress) }
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -117,16 +116,14 @@ impl Operation for BaseEstimate {
 
 impl BaseEstimate {
     /// The base from clicks alone.
-    fn estimate(
-        &self,
-        watch: &(dyn Fn(BaseProgress) -> ControlFlow<()> + Sync),
-    ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+    fn estimate(&self, progress: &Progress<'_, EstimateProgress>) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+        let adjusting = progress.part(EstimateProgress::Adjusting);
         let (at, options) = (self.document.at(&self.folder), BaseOptions::default());
         let problem = BaseProblem::of(at, &self.camera)?;
         let found = if self.with_size {
-            problem.estimate_with_size(at, &options, watch)
+            problem.estimate_with_size(at, &options, &adjusting)
         } else {
-            problem.estimate_watched(at.document, &options, watch)
+            problem.estimate(at.document, &options, &adjusting)
         };
         Ok(Box::new(found?))
     }
@@ -135,8 +132,7 @@ impl BaseEstimate {
     fn estimate_on_paint(
         &self,
         context: &Context<'_, EstimateProgress>,
-        watch: &(dyn Fn(BaseProgress) -> ControlFlow<()> + Sync),
-        report: &dyn Fn(EstimateProgress) -> ControlFlow<()>,
+        progress: &Progress<'_, EstimateProgress>,
     ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
         let (at, options) = (self.document.at(&self.folder), BaseOptions::default());
         let mut reader = context.open_reader();
@@ -144,10 +140,11 @@ impl BaseEstimate {
         let mut pictures = |frame: &Frame| {
             count += 1;
             // Without further pictures the estimation ends soon.
-            let goes_on = report(EstimateProgress::Looking { pictures: count }).is_continue();
+            let goes_on = progress.report(EstimateProgress::Looking { pictures: count }).is_continue();
             goes_on.then(|| read_picture(&mut *reader, frame, &self.folder).ok()).flatten()
         };
-        let found = estimate_on_paint(at, &self.camera, &options, self.with_size, &mut pictures, watch)?;
+        let adjusting = progress.part(EstimateProgress::Adjusting);
+        let found = estimate_on_paint(at, &self.camera, &options, self.with_size, &mut pictures, &adjusting)?;
         Ok(Box::new(found.with_pulled_frames(at, &mut pictures)?))
     }
 }

@@ -4,10 +4,10 @@ use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::session::Level;
 use crate::app::{App, Command};
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_calibration::calibrate::{BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved};
 use touchline_core::geometry::thousands;
+use touchline_core::progress::Progress;
 use touchline_documents::document::Step;
 
 /// A change of fewer frames than this is made at once: a frame takes 0.1 ms.
@@ -43,12 +43,12 @@ impl Operation for BulkSolving {
 
     fn run(&self, context: &Context<'_, BulkProgress>) -> Result<Box<BulkSolved>, BulkError> {
         let furthest = AtomicUsize::new(0);
-        let watch = |progress: BulkProgress| {
+        let watched = Progress::new(|progress: BulkProgress| {
             // Frames are solved by several threads, whose counts overtake each other on the way.
             let is_further = furthest.fetch_max(progress.done, Ordering::Relaxed) < progress.done;
             if is_further { context.report(progress) } else { context.check() }
-        };
-        self.work.clone().run(&watch).map(Box::new)
+        });
+        self.work.clone().run(&watched).map(Box::new)
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -98,7 +98,7 @@ impl App {
             self.start(BulkSolving { work, step, then });
             return true;
         }
-        match work.run(&|_| ControlFlow::Continue(())) {
+        match work.run(&Progress::default()) {
             Ok(solved) => self.join_bulk(step, &solved, then),
             Err(error) => {
                 self.tell_bulk_failed(&step, &Failure::Failed(error));

@@ -7,6 +7,7 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use touchline_calibration::proposals::{FeatureStore, FoundMask, FramePictures, WorkFolder, find_burnt_in};
 use touchline_core::geometry::PixelBox;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, Step};
 use touchline_vision::features::FeatureOptions;
 
@@ -42,7 +43,8 @@ impl Operation for BurntInSearch {
         let store = FeatureStore::on_disk(&WorkFolder::beside(&self.file));
         let (document, folder, options) = (&self.document, &*self.folder, FeatureOptions::default());
         let pictures = FramePictures { document, folder, options, store: &store };
-        Ok(find_burnt_in(&pictures, &mut *context.open_reader(), &|| context.check()).unwrap_or_default())
+        Ok(find_burnt_in(&pictures, &mut *context.open_reader(), &Progress::new(|()| context.check()))
+            .unwrap_or_default())
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {

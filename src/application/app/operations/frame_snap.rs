@@ -70,8 +70,8 @@ impl Operation for FrameSnap {
     fn run(&self, context: &Context<'_, f64>) -> Result<Box<CameraOnPaint>, FrameSnapError> {
         let picture = read_picture(&mut *context.open_reader(), &self.frame, &self.folder)?;
         let how = (&FindOptions::default(), self.from_scratch);
-        let watch = |share| context.report(share);
-        let (base, found) = camera_on_paint(&self.document, &self.frame, &self.field, &picture, how, &watch)?;
+        let (base, found) =
+            camera_on_paint(&self.document, &self.frame, &self.field, &picture, how, &context.progress())?;
         Ok(Box::new(CameraOnPaint { base, found }))
     }
 

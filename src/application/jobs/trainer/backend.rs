@@ -12,9 +12,10 @@ use std::sync::Arc;
 use touchline_calibration::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
 use touchline_calibration::pipelines::{ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines};
 use touchline_calibration::proposals::{
-    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
-    TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality,
+    QualityProgress, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
 };
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, Fields};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, TrainProgress};
@@ -134,8 +135,8 @@ impl Backend for ForestBackend {
     ) -> Result<Option<Learnt>, TrainerError> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let report = |progress| watch.tell(doing_of(progress));
-        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &report)?;
+        let progress = Progress::new(|progress| watch.tell(doing_of(progress)));
+        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &progress)?;
         let Some(LearntForest { mut model, studied }) = learnt else { return Ok(None) };
         self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
         let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
@@ -162,9 +163,9 @@ impl Backend for ForestBackend {
             if watch(made.len()).is_break() {
                 break;
             }
-            let go_on = |_| ControlFlow::Continue(());
             let evidence = evidence.as_ref();
-            let mut proposals = propose_on_lines(&pictures, &mut self.reader, few, &forest, evidence, &go_on);
+            let mut proposals =
+                propose_on_lines(&pictures, &mut self.reader, few, &forest, evidence, &Progress::default());
             made.append(&mut proposals);
         }
         made
@@ -203,10 +204,11 @@ impl Backend for ForestBackend {
     fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let measuring = |done, of| watch.tell(Doing::Measuring(Share { done, of }));
-        let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &|| measuring(0, 0))?;
+        let progress = Progress::new(|QualityProgress { done, of }| watch.tell(Doing::Measuring(Share { done, of })));
+        let looking = progress.part(|()| QualityProgress::default());
+        let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &looking)?;
         let (options, relocalizing) = (&self.options, &self.relocalizing);
-        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &measuring);
+        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &progress);
         watch.is_wanted().then_some(Measured { quality, suspects })
     }
 

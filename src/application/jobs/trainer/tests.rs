@@ -20,6 +20,7 @@ use touchline_calibration::proposals::{
 };
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus, VideoFrame};
 use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use touchline_vision::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
@@ -74,7 +75,7 @@ fn until_stopped(tell: &dyn Fn() -> ControlFlow<()>) {
 fn model() -> ForestModel {
     let mut samples = Samples::new();
     samples.add_frame([(Descriptor([9; DESCRIPTOR_BYTES]), PanTilt::from_degrees(1.0, -9.0))]);
-    let forest = train(&samples, &TrainOptions::default(), &|_| ControlFlow::Continue(())).unwrap();
+    let forest = train(&samples, &TrainOptions::default(), &Progress::default()).unwrap();
     let seen = SeenRange::of(&[Ptz::from_degrees(1.0, -9.0, 900.0)]).unwrap();
     let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
     ForestModel { document: String::new(), features: FeatureOptions::default(), cameras }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{CameraId, DocumentAt, Frame};
 
@@ -50,8 +51,8 @@ impl Refined {
         record_found(&mut bare, camera, found);
         let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
         let at = bare.at(document.folder);
-        let told = |_| watch(UnclickedProgress::Refining);
-        let estimated = match estimate_on_paint(at, camera, options, sized, &mut picture_of, &told) {
+        let progress = Progress::new(|_| watch(UnclickedProgress::Refining));
+        let estimated = match estimate_on_paint(at, camera, options, sized, &mut picture_of, &progress) {
             Ok(on_paint) => on_paint.estimated,
             Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
             Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),

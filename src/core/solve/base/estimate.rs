@@ -7,14 +7,14 @@ use super::one_more::one_more_frame;
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
-    AdjustOptions, AdjustedBase, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks,
-    HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore, OneMoreFrame, Prescribed, WatchBase,
+    AdjustOptions, AdjustedBase, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel, DisputedClick,
+    FrameClicks, HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore, OneMoreFrame, Prescribed,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median, quantile};
+use crate::progress::Progress;
 use serde::Serialize;
-use std::ops::ControlFlow;
 
 /// What a person may ask for.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,29 +139,18 @@ pub struct BaseEstimate {
 /// The field's crown is a start, and holds where [`CrownModel::Fixed`] says so. `previous` is a base to start from as well and to compare with.
 ///
 /// # Errors
-/// No frame to start from, no camera that explains half of the clicks, or frames that leave the position open.
+/// No frame to start from, no camera that explains half of the clicks, frames that leave the position open, or `progress` cancelled it
+/// ([`BaseError::Stopped`]).
 pub fn estimate_base(
     clicks: &CameraClicks<'_>,
     previous: Option<&CameraBase>,
     options: &BaseOptions,
-) -> Result<BaseEstimate, BaseError> {
-    estimate_base_watched(clicks, previous, options, &|_| ControlFlow::Continue(()))
-}
-
-/// [`estimate_base`], told after each adjustment of the base; a break ends it.
-///
-/// # Errors
-/// Those of [`estimate_base`], and [`BaseError::Stopped`].
-pub fn estimate_base_watched(
-    clicks: &CameraClicks<'_>,
-    previous: Option<&CameraBase>,
-    options: &BaseOptions,
-    watch: WatchBase<'_>,
+    progress: &Progress<'_, BaseProgress>,
 ) -> Result<BaseEstimate, BaseError> {
     let CameraClicks { field, frames, image_size, principal_point } = *clicks;
     let models = models(field, options.free_centre(principal_point, frames.len()), options);
     let adjust = options.adjusting();
-    let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
+    let adjustments = Adjustments::new(progress, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
         (*base, median(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
@@ -176,7 +165,9 @@ pub fn estimate_base_watched(
         let adjusted = adjust_base(clicks, &base, &ptz, &pinhole, &adjust);
         base = adjusted.base;
         ptz = solve_all(&base, frames, image_size);
-        adjustments.made();
+        if adjustments.count().is_break() {
+            return Err(BaseError::Stopped);
+        }
     }
 
     let fit = chosen_fit(clicks, &models, (&base, &ptz), &adjust, &adjustments)?;
@@ -200,18 +191,18 @@ pub fn estimate_base_watched(
 /// is the one that does best at paint that it has not seen.
 ///
 /// # Errors
-/// Those of [`estimate_base`], and [`BaseError::Stopped`].
+/// Those of [`estimate_base`].
 pub fn estimate_base_on_paint(
     clicks: &CameraClicks<'_>,
     painted: &[FrameClicks],
     start: (&CameraBase, &[Option<Ptz>]),
     options: &BaseOptions,
-    watch: WatchBase<'_>,
+    progress: &Progress<'_, BaseProgress>,
 ) -> Result<BaseEstimate, BaseError> {
     let CameraClicks { field, frames, image_size, principal_point } = *clicks;
     let solved_frames = start.1.iter().flatten().count();
     let models = models(field, options.free_centre(principal_point, solved_frames), options);
-    let adjustments = Adjustments::new(watch, models.len() * FOLDS);
+    let adjustments = Adjustments::new(progress, models.len() * FOLDS);
     let painted = CameraClicks { frames: painted, ..*clicks };
     let fit = chosen_fit(&painted, &models, start, &options.adjusting(), &adjustments)?;
     let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
@@ -261,7 +252,7 @@ fn chosen_fit(
 ) -> Result<ChosenFit, BaseError> {
     let validation = CrossValidation { clicks, start: base, start_ptz: ptz, options, adjustments };
     let scores = validation.scores(models);
-    if adjustments.are_stopped() {
+    if adjustments.are_cancelled() {
         return Err(BaseError::Stopped);
     }
     let solved_frames = ptz.iter().flatten().count();

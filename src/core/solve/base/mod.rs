@@ -60,15 +60,12 @@ mod start;
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
 pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
-pub use estimate::{
-    BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, estimate_base_watched,
-    held_out_on_paint,
-};
+pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, held_out_on_paint};
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use model_choice::{HeldOutErrors, ModelReason, ModelScore};
 pub use one_more::{BesideFrames, OneMoreFrame};
-pub use progress::{BaseProgress, WatchBase};
+pub use progress::BaseProgress;
 pub use start::{BaseStart, start_base};
 
 use super::Observation;

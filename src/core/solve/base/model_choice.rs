@@ -114,11 +114,12 @@ impl CrossValidation<'_> {
     fn score(&self, model: &BaseModel) -> ModelScore {
         let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
         let hold_out = |fold| {
-            if self.adjustments.are_stopped() {
+            if self.adjustments.are_cancelled() {
                 return Fold { errors: Errors::default(), shared: SharedError::zeros() };
             }
             let tried = if enough { self.held_out_frames(model, fold) } else { self.held_out_clicks(model, fold) };
-            self.adjustments.made();
+            // The next fold asks whether the estimation is cancelled.
+            let _ = self.adjustments.count();
             tried
         };
         let folds: Vec<Fold> = (0..FOLDS).into_par_iter().map(hold_out).collect();

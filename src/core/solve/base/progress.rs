@@ -1,7 +1,8 @@
-//! How far an estimation has come, and whether anybody still waits for it.
+//! How far an estimation has come, and whether it is cancelled.
 
+use crate::progress::Progress;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How far an estimation has come, in adjustments of the base: each model on each group of clicks held out is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,32 +13,25 @@ pub struct BaseProgress {
     pub total: usize,
 }
 
-/// Is told after each adjustment, from any thread; a break ends the estimation.
-pub type WatchBase<'a> = &'a (dyn Fn(BaseProgress) -> ControlFlow<()> + Sync);
-
 /// Counts the adjustments of one estimation.
 pub(super) struct Adjustments<'a> {
-    watch: WatchBase<'a>,
+    progress: &'a Progress<'a, BaseProgress>,
     total: usize,
     done: AtomicUsize,
-    stopped: AtomicBool,
 }
 
 impl<'a> Adjustments<'a> {
-    pub fn new(watch: WatchBase<'a>, total: usize) -> Self {
-        Self { watch, total, done: AtomicUsize::new(0), stopped: AtomicBool::new(false) }
+    pub fn new(progress: &'a Progress<'_, BaseProgress>, total: usize) -> Self {
+        Self { progress, total, done: AtomicUsize::new(0) }
     }
 
-    /// One more is made.
-    pub fn made(&self) {
+    /// Counts one more. A break cancels the estimation.
+    pub fn count(&self) -> ControlFlow<()> {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if (self.watch)(BaseProgress { done, total: self.total }).is_break() {
-            self.stopped.store(true, Ordering::Relaxed);
-        }
+        self.progress.report(BaseProgress { done, total: self.total })
     }
 
-    /// Nobody waits any more.
-    pub fn are_stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
+    pub fn are_cancelled(&self) -> bool {
+        self.progress.is_cancelled()
     }
 }

@@ -10,9 +10,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
+use touchline_core::progress::Progress;
 
 /// How far training has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub struct TrainProgress {
 /// Why there is no forest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Stopped {
-    /// The caller ended it.
+    /// `progress` cancelled it.
     #[error("training was stopped")]
     Asked,
     /// There is nothing to learn from.
@@ -46,14 +46,14 @@ pub enum Stopped {
 /// Nodes with fewer samples than this are not worth another task.
 const PARALLEL_SAMPLES: usize = 512;
 
-/// Trains a forest. `progress` is called now and then from any thread, and may end it.
+/// Trains a forest.
 ///
 /// # Errors
-/// No samples, too many, or the caller ended it.
+/// No samples, too many, or `progress` cancelled it.
 pub fn train(
     samples: &Samples,
     options: &TrainOptions,
-    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, TrainProgress>,
 ) -> Result<Forest, Stopped> {
     train_without(samples, &BTreeSet::new(), options, progress)
 }
@@ -62,12 +62,12 @@ pub fn train(
 /// without a copy of the others.
 ///
 /// # Errors
-/// No samples, too many with those that are left out, or the caller ended it.
+/// No samples, too many with those that are left out, or `progress` cancelled it.
 pub fn train_without(
     samples: &Samples,
     left_out: &BTreeSet<usize>,
     options: &TrainOptions,
-    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+    progress: &Progress<'_, TrainProgress>,
 ) -> Result<Forest, Stopped> {
     if samples.len() >= MAX_ITEMS {
         return Err(Stopped::TooMany { samples: samples.len() });
@@ -81,7 +81,7 @@ pub fn train_without(
     let drawn: Vec<Vec<u32>> =
         (0..options.trees.max(1)).map(|tree| draw(samples, used.clone(), options, tree)).collect();
     let total = drawn.iter().map(Vec::len).sum();
-    let watch = TrainWatch { placed: AtomicUsize::new(0), total, stopped: AtomicBool::new(false), progress };
+    let watch = TrainWatch { placed: AtomicUsize::new(0), total, progress };
     let trees: Option<Vec<Tree>> = drawn
         .into_par_iter()
         .enumerate()
@@ -118,8 +118,7 @@ fn mixed(seed: u64, number: u64) -> u64 {
 struct TrainWatch<'a> {
     placed: AtomicUsize,
     total: usize,
-    stopped: AtomicBool,
-    progress: &'a (dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+    progress: &'a Progress<'a, TrainProgress>,
 }
 
 impl TrainWatch<'_> {
@@ -127,10 +126,9 @@ impl TrainWatch<'_> {
     fn placed(&self, count: usize) {
         let before = self.placed.fetch_add(count, Ordering::Relaxed);
         let placed = before + count;
-        if (before / 1000 != placed / 1000 || placed == self.total)
-            && (self.progress)(TrainProgress { placed, total: self.total }).is_break()
-        {
-            self.stopped.store(true, Ordering::Relaxed);
+        if before / 1000 != placed / 1000 || placed == self.total {
+            // The next node asks whether the training is cancelled.
+            let _ = self.progress.report(TrainProgress { placed, total: self.total });
         }
     }
 }
@@ -150,7 +148,7 @@ struct Grower<'a> {
 impl Grower<'_> {
     /// The tree of the samples `at`, which are put in its order; none when the caller ended it.
     fn grow(&self, at: &mut [u32], depth: u32, seed: u64) -> Option<Grown> {
-        if self.watch.stopped.load(Ordering::Relaxed) {
+        if self.watch.progress.is_cancelled() {
             return None;
         }
         let unsplit = (self.options.leaf_samples as usize).max(2 * self.options.min_leaf.max(1) as usize - 1);
