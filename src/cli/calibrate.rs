@@ -14,10 +14,10 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
-use touchline_calibration::calibrate::{
-    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, describe_size,
-    record_found,
+use touchline_calibration::autocalibrate::{
+    DecidingLandmark, UnclickedAnswer, UnclickedProgress, camera_without_clicks,
 };
+use touchline_calibration::calibrate::{UnclickedCamera, describe_size, record_found};
 use touchline_calibration::proposals::{PictureError, read_picture};
 use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
 use touchline_documents::store;

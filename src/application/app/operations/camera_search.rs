@@ -6,10 +6,11 @@ use crate::app::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::Arc;
-use touchline_calibration::calibrate::{
-    Abstention, BulkChange, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedProgress, camera_from_few_clicks, camera_without_clicks, describe_size,
+use touchline_calibration::autocalibrate::{
+    Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress, camera_from_few_clicks,
+    camera_without_clicks,
 };
+use touchline_calibration::calibrate::{BulkChange, FoundCamera, UnclickedCamera, describe_size};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
