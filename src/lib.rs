@@ -12,7 +12,7 @@
 //! | a field: landmarks and lines by name, for a venue's size | [`field::builtin`] |
 //! | a frame from two clicks and more | [`solve::solve_frame`] |
 //! | a camera's base, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
-//! | the same without a click, from pictures alone; with two | [`calibrate::camera_without_clicks`], [`calibrate::camera_from_few_clicks`] |
+//! | the same without a click, from pictures alone; with two | [`autocalibrate::camera_without_clicks`], [`autocalibrate::camera_from_few_clicks`] |
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
 //! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
 //! | a clip: known frames carried to all others | [`calibrate::track_clip`] |
@@ -35,7 +35,7 @@
 //! | `touchline` | `ui`, `cli` |
 //! | `touchline-experiments` | the paper's tables and figures, measured again |
 //! | `touchline-application` | `app` (the whole application without a window), `jobs` (the only detached threads), `render` (wgpu, no egui), `scene` (what is drawn, as plain data) |
-//! | `touchline-calibration` | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |
+//! | `touchline-calibration` | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |
 //! | `touchline-documents` | [`document`] (typed schema, edits, history), [`store`] (where a document lives), [`exchange`] (foreign formats), `report` (tables, figures, Markdown) |
 //! | `touchline-vision` | [`media`] (frames of folders and videos), [`features`] (SIFT of a picture), [`paint`] (painted lines in pixels: the line check, snapping), [`relocalize`] (the pan-tilt forest, pose from its rays), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
 //! | `touchline-core` | [`camera`], [`field`], [`markings`] (the field's lines as a camera sees them), [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`geometry`], [`files`] (opening files that may come from anybody), [`progress`] (what long functions report to, and what cancels them) |
@@ -64,7 +64,7 @@ pub use touchline_application::render;
 #[doc(hidden)]
 pub use touchline_application::{app, jobs, scene};
 #[doc(inline)]
-pub use touchline_calibration::{calibrate, evaluate, pipelines, proposals};
+pub use touchline_calibration::{autocalibrate, calibrate, evaluate, pipelines, proposals};
 #[doc(inline)]
 pub use touchline_core::{camera, conventions, field, files, geometry, markings, progress, score, solve};
 #[doc(hidden)]

@@ -3,10 +3,11 @@
 //! | floor | rooms |
 //! |---|---|
 //! | 6 | [`pipelines`] (whole jobs that window and command line share: the clips of a document tracked) |
-//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other) |
+//! | 5 | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other) |
 //!
-//! Within floor 5, `evaluate` and `proposals` use `calibrate`.
+//! Within floor 5, `autocalibrate`, `evaluate` and `proposals` use `calibrate`.
 
+pub mod autocalibrate;
 pub mod calibrate;
 pub mod evaluate;
 pub mod pipelines;

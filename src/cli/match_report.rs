@@ -4,7 +4,8 @@ use super::messages::Messages;
 use super::track::TrackingReport;
 use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
-use touchline_calibration::calibrate::{DecidingLandmark, UnclickedCamera, describe_size};
+use touchline_calibration::autocalibrate::DecidingLandmark;
+use touchline_calibration::calibrate::{UnclickedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent, NoCamera};
 use touchline_documents::document::Document;
 

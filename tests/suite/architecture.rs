@@ -20,6 +20,7 @@ pub const CRATES: [&str; 7] =
 
 /// Rooms of one floor of which one uses the other.
 const PAIRS: &[Pair] = &[
+    ("autocalibrate", "calibrate", "a base that it finds is adjusted to paint and recorded as any other"),
     ("evaluate", "calibrate", "an estimate's clicks are scored as observations"),
     ("proposals", "calibrate", "a reference's clicks are its observations"),
 ];

@@ -9,10 +9,8 @@ use touchline_application::app::operations::CameraSearch;
 use touchline_application::app::operations::camera_search::Left;
 use touchline_application::app::session::{Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
-use touchline_calibration::calibrate::{
-    Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedEvidence, UnclickedFrame,
-    UnclickedProgress,
-};
+use touchline_calibration::autocalibrate::{Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedProgress};
+use touchline_calibration::calibrate::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
 use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::{Click, Document, FrameStatus, SolutionSource};

@@ -37,10 +37,10 @@ const FEWEST_LINES: usize = 5;
 /// 1-σ of the position along each axis, and of a fitted length of the field, where paint alone gives it, m: what grounds are off by
 /// is common to all frames. Positions are .06 to .64 m from those fitted to people's clicks where the paint's scatter alone says .05,
 /// and widths up to .8 m where that says .04 to .13. Where clicks give a position too, half of the way between the two takes its place.
-pub(super) const ALONE_SIGMA_M: f64 = 0.3;
+pub(crate) const ALONE_SIGMA_M: f64 = 0.3;
 
 /// Lengths that paint alone gives are stated no better than they are known.
-pub(super) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
+pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
     for length in sizes {
         length.sigma_m = length.sigma_m.max(ALONE_SIGMA_M);
     }

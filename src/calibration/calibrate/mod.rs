@@ -22,13 +22,14 @@ mod on_paint;
 mod own_covariance;
 mod own_noise;
 mod paint;
+mod record_found;
 mod refit;
 mod replacement;
 mod size_fit;
 mod solve_all;
 mod solve_frames;
 mod still_runs;
-mod unclicked;
+mod unclicked_camera;
 mod unseen_length;
 mod which_camera;
 
@@ -37,6 +38,7 @@ pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
 };
+pub(crate) use base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
 pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, FRAMES_FOR_PAINT, PictureOf, PulledFrames, estimate_on_paint};
 pub use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
@@ -65,14 +67,12 @@ pub use paint::{
     FindFrameError, LINE_CHECK, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame,
     record_found_by_paint, record_line_check, record_on_paint, record_snapped, snap_clicks, snap_frame,
 };
+pub use record_found::record_found;
 pub(crate) use replacement::may_replace;
+pub(crate) use size_fit::OpenSize;
 pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub use solve_frames::{is_by_clicks, record_outcome};
 use still_runs::still_runs;
-pub use unclicked::{
-    Abstention, DecidingLandmark, Doubt, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedEvidence, UnclickedFrame, UnclickedProgress, WatchUnclicked, camera_from_few_clicks,
-    camera_without_clicks, record_found,
-};
+pub use unclicked_camera::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
 pub use which_camera::{AssignError, add_camera_like, assign_to_camera};

@@ -65,7 +65,7 @@ impl BaseProblem {
 }
 
 /// The lengths of a field that its rules leave open, and the field at other values of them.
-pub(super) struct OpenSize {
+pub(crate) struct OpenSize {
     template: Template,
     params_m: BTreeMap<String, f64>,
     crown_m: f64,

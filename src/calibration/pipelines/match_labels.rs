@@ -10,10 +10,11 @@ use super::forest_labels::{
 };
 use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
-use crate::calibrate::{
-    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError, UnclickedProgress,
-    WatchUnclicked, camera_from_few_clicks, camera_without_clicks, clips, record_found,
+use crate::autocalibrate::{
+    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked,
+    camera_from_few_clicks, camera_without_clicks,
 };
+use crate::calibrate::{UnclickedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

@@ -4,9 +4,9 @@ use super::clip::DrawnClip;
 use crate::ExperimentError;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
+use touchline_calibration::autocalibrate::{Doubt, UnclickedAnswer, camera_without_clicks};
 use touchline_calibration::calibrate::{
-    ClipEvidence, Doubt, FrameLookup, TrackClipOptions, UnclickedAnswer, calibrate, camera_without_clicks, clips,
-    record_found, record_tracked, track_clip,
+    ClipEvidence, FrameLookup, TrackClipOptions, calibrate, clips, record_found, record_tracked, track_clip,
 };
 use touchline_calibration::proposals::{
     Coverage, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, label_advice, learn, propose,

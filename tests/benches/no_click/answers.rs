@@ -4,9 +4,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
-use touchline::calibrate::{
-    Abstention, UnclickedAnswer, UnclickedCamera, camera_from_few_clicks, camera_without_clicks, record_found,
-};
+use touchline::autocalibrate::{Abstention, UnclickedAnswer, camera_from_few_clicks, camera_without_clicks};
+use touchline::calibrate::{UnclickedCamera, record_found};
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
 use touchline::field::{FieldModel, Landmark};

@@ -6,7 +6,7 @@ use super::gate::Rate;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
-use touchline::calibrate::UnclickedAnswer;
+use touchline::autocalibrate::UnclickedAnswer;
 use touchline::camera::CameraBase;
 use touchline::document::FieldSpec;
 use touchline::field::{FieldModel, builtin};

@@ -4,9 +4,8 @@ use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{CAMERA, document};
 use super::gate::Rate;
 use std::path::Path;
-use touchline::calibrate::{
-    Abstention, BaseProblem, UnclickedAnswer, UnclickedCamera, observations, record_found, solve_document,
-};
+use touchline::autocalibrate::{Abstention, UnclickedAnswer};
+use touchline::calibrate::{BaseProblem, UnclickedCamera, observations, record_found, solve_document};
 use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames, VideoFrame};
 use touchline::media::FrameSource;
 use touchline::progress::Progress;

@@ -6,10 +6,10 @@ use crate::app::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::Arc;
-use touchline_calibration::calibrate::{
-    Abstention, BulkChange, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedProgress, describe_size,
+use touchline_calibration::autocalibrate::{
+    Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress,
 };
+use touchline_calibration::calibrate::{BulkChange, FoundCamera, UnclickedCamera, describe_size};
 use touchline_calibration::pipelines::{MatchOptions, find_camera};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;

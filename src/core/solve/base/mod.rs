@@ -12,8 +12,7 @@
 //!    Its position is noisy and some are nonsense, so each is tried as the base of a sample of frames, with a level head, and the one whose
 //!    frames fit best wins. Wrong names in a few frames cannot spoil it.
 //! 2. **Bundle adjustment** (`bundle.rs`, `adjust.rs`). All parameters together by damped Gauss–Newton. Frames see each other only
-//!    through what they share, so their own three parameters are eliminated first (Schur complement; Triggs, McLauchlan, Hartley and
-//!    Fitzgibbon: "Bundle Adjustment – A Modern Synthesis", 2000, section 6). A robust loss lets wrong clicks go.
+//!    through what they share, so their own three parameters are eliminated first (Schur complement; Triggs and others: "Bundle Adjustment – A Modern Synthesis", 2000, section 6). A robust loss lets wrong clicks go.
 //! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which they see the field; k₁ follows the focal
 //!    length as measured on twenty broadcast lenses; the principal point lies within ±40 px of the middle at 1920 px width.
 //! 4. **Model choice** (`model_choice.rs`). Four lens models, each on a level and a crowned pitch, are compared by five-fold cross-validation: frames

@@ -1,8 +1,7 @@
 //! A camera that was found without clicks, written into its document.
 
-use super::UnclickedCamera;
-use crate::calibrate::field_size::set_field_size;
-use crate::calibrate::record_snapped;
+use super::field_size::set_field_size;
+use super::{UnclickedCamera, record_snapped};
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};

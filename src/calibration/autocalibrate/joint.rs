@@ -3,7 +3,7 @@
 use super::field_prior::FieldPrior;
 use super::pitch_map::{OnLine, PitchMap};
 use super::pose::angular_scale;
-use crate::calibrate::base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
+use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, median};

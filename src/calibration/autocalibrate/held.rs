@@ -2,7 +2,7 @@
 //! not answered.
 
 use super::candidates::ViewGraph;
-use super::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{UnclickedCamera, UnclickedFrame};
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};

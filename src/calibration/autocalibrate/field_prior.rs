@@ -1,6 +1,6 @@
 //! What is known beforehand of the field: its size, or the sizes that the rules allow.
 
-use crate::calibrate::size_fit::OpenSize;
+use crate::calibrate::OpenSize;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::solve::base::{

@@ -5,8 +5,10 @@ use super::candidates::ViewGraph;
 use super::error::Stop;
 use super::held::hold_on_paint;
 use super::traces::PictureOfFrame;
-use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
-use crate::calibrate::{BaseOnPaintError, EstimatedBase, covariance_on_paint, estimate_on_paint};
+use super::{UnclickedError, UnclickedProgress, WatchUnclicked};
+use crate::calibrate::{
+    BaseOnPaintError, EstimatedBase, UnclickedCamera, covariance_on_paint, estimate_on_paint, record_found,
+};
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldModel;

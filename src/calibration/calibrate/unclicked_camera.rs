@@ -1,6 +1,5 @@
 //! A camera that was found without clicks, and its frames.
 
-use super::UnclickedEvidence;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::field::FieldModel;
 use touchline_core::solve::Uncertainty;
@@ -46,4 +45,38 @@ pub struct UnclickedFrame {
     /// The camera pulled onto the painted lines of its own picture; none where these do not decide, or where the frames beside it
     /// contradict them.
     pub snapped: Option<Snapped>,
+}
+
+/// What speaks for a base.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct UnclickedEvidence {
+    /// Frames that it was found from.
+    pub frames: usize,
+    /// The share of the paint that stays that lies on a line of the field.
+    pub explained: f64,
+    /// The share of the lines that should be seen on open ground and are.
+    pub visible: f64,
+    /// Explained times visible of the best other place.
+    pub rival: f64,
+    /// The lines of the field that were seen, by name.
+    pub lines: Vec<String>,
+    /// The lines of the field that should have been seen on open ground and were not, by label. Touchlines are not among them:
+    /// the width of a field is assumed, and its rules fix all other lines.
+    pub missing: Vec<String>,
+    /// The median distance of paint from its line, px at 1920 px width.
+    pub residual_px: f64,
+    /// How far the bases of the two halves of the frames lie apart, m; of three frames twice the 1-σ that leaving one out at a time gives;
+    /// infinite where some have none.
+    pub parts_m: f64,
+    /// Length and width of a field that would explain more, m, where the size is known and is not that.
+    pub other_size_m: Option<[f64; 2]>,
+}
+
+impl UnclickedEvidence {
+    /// How much of paint and lines belongs together, 0 to 1.
+    #[must_use]
+    pub fn score(&self) -> f64 {
+        self.explained * self.visible
+    }
 }

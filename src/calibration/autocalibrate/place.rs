@@ -2,7 +2,7 @@
 
 use super::candidates::{Candidate, ViewGraph};
 use super::refined::Refined;
-use super::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{UnclickedCamera, UnclickedFrame};
 use touchline_core::geometry::ImageSize;
 
 /// A camera where it may stand, with the view graph of its frames there.

@@ -2,9 +2,10 @@
 
 use super::Doubt;
 use super::joint::{FramePaint, JointAdjustment};
+use crate::calibrate::UnclickedEvidence;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_core::camera::PtzCamera;
+use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
@@ -19,71 +20,37 @@ const WITHIN_PX: f64 = 4.0;
 const ENOUGH: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 
-/// What speaks for a base.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct UnclickedEvidence {
-    /// Frames that it was found from.
-    pub frames: usize,
-    /// The share of the paint that stays that lies on a line of the field.
-    pub explained: f64,
-    /// The share of the lines that should be seen on open ground and are.
-    pub visible: f64,
-    /// Explained times visible of the best other place.
-    pub rival: f64,
-    /// The lines of the field that were seen, by name.
-    pub lines: Vec<String>,
-    /// The lines of the field that should have been seen on open ground and were not, by label. Touchlines are not among them:
-    /// the width of a field is assumed, and its rules fix all other lines.
-    pub missing: Vec<String>,
-    /// The median distance of paint from its line, px at 1920 px width.
-    pub residual_px: f64,
-    /// How far the bases of the two halves of the frames lie apart, m; of three frames twice the 1-σ that leaving one out at a time gives;
-    /// infinite where some have none.
-    pub parts_m: f64,
-    /// Length and width of a field that would explain more, m, where the size is known and is not that.
-    pub other_size_m: Option<[f64; 2]>,
-}
-
-impl UnclickedEvidence {
-    /// How much of paint and lines belongs together, 0 to 1.
-    #[must_use]
-    pub fn score(&self) -> f64 {
-        self.explained * self.visible
-    }
-
-    /// What speaks against it.
-    pub(super) fn doubts(&self, joint: &JointAdjustment) -> Vec<Doubt> {
-        const MIN_EXPLAINED: f64 = 0.6;
-        const MIN_VISIBLE: f64 = 0.6;
-        const MIN_LINES: usize = 5;
-        const MAX_RESIDUAL_PX: f64 = 1.5;
-        const MAX_PARTS_M: f64 = 2.0;
-        const MAX_ROLL_DEG: f64 = 4.0;
-        let roll_deg = joint.base.angles().roll.degrees();
-        let mut doubts = Vec::new();
-        let mut ask = |wrong: bool, doubt: Doubt| {
-            if wrong {
-                doubts.push(doubt);
-            }
-        };
-        ask(self.explained < MIN_EXPLAINED, Doubt::Unexplained { share: 1.0 - self.explained });
-        ask(self.visible < MIN_VISIBLE, Doubt::Unseen { share: 1.0 - self.visible });
-        ask(self.lines.len() < MIN_LINES, Doubt::FewLines { lines: self.lines.len() });
-        ask(!self.missing.is_empty(), Doubt::LinesMissing { lines: self.missing.clone() });
-        ask(self.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: self.residual_px });
-        let parts_m = self.parts_m;
-        if parts_m.is_finite() {
-            ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
-        } else {
-            ask(true, Doubt::Unconfirmed { frames: self.frames });
+/// What speaks against a base: the questions that a right answer passes.
+pub(super) fn doubts_of(evidence: &UnclickedEvidence, base: &CameraBase) -> Vec<Doubt> {
+    const MIN_EXPLAINED: f64 = 0.6;
+    const MIN_VISIBLE: f64 = 0.6;
+    const MIN_LINES: usize = 5;
+    const MAX_RESIDUAL_PX: f64 = 1.5;
+    const MAX_PARTS_M: f64 = 2.0;
+    const MAX_ROLL_DEG: f64 = 4.0;
+    let roll_deg = base.angles().roll.degrees();
+    let mut doubts = Vec::new();
+    let mut ask = |wrong: bool, doubt: Doubt| {
+        if wrong {
+            doubts.push(doubt);
         }
-        ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
-        if let Some([length_m, width_m]) = self.other_size_m {
-            doubts.push(Doubt::OtherSize { length_m, width_m });
-        }
-        doubts
+    };
+    ask(evidence.explained < MIN_EXPLAINED, Doubt::Unexplained { share: 1.0 - evidence.explained });
+    ask(evidence.visible < MIN_VISIBLE, Doubt::Unseen { share: 1.0 - evidence.visible });
+    ask(evidence.lines.len() < MIN_LINES, Doubt::FewLines { lines: evidence.lines.len() });
+    ask(!evidence.missing.is_empty(), Doubt::LinesMissing { lines: evidence.missing.clone() });
+    ask(evidence.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: evidence.residual_px });
+    let parts_m = evidence.parts_m;
+    if parts_m.is_finite() {
+        ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
+    } else {
+        ask(true, Doubt::Unconfirmed { frames: evidence.frames });
     }
+    ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
+    if let Some([length_m, width_m]) = evidence.other_size_m {
+        doubts.push(Doubt::OtherSize { length_m, width_m });
+    }
+    doubts
 }
 
 /// What speaks for a base adjusted to the paint of frames.

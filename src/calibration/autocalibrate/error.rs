@@ -1,6 +1,7 @@
 //! Why there is no base without clicks.
 
-use super::{Doubt, UnclickedCamera};
+use super::Doubt;
+use crate::calibrate::UnclickedCamera;
 use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_vision::features::FeatureError;

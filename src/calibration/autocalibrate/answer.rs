@@ -1,6 +1,7 @@
 //! What a search without clicks answers.
 
-use super::{Abstention, UnclickedCamera};
+use super::Abstention;
+use crate::calibrate::UnclickedCamera;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 

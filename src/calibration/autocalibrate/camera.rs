@@ -12,11 +12,8 @@ use super::matched_frames::MatchedFrames;
 use super::place::Place;
 use super::refined::Refined;
 use super::traces::{FrameTraces, PictureOfFrame};
-use super::{
-    Abstention, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedError, UnclickedFrame, UnclickedProgress,
-    WatchUnclicked,
-};
-use crate::calibrate::snap_frame;
+use super::{Abstention, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked};
+use crate::calibrate::{UnclickedCamera, UnclickedFrame, record_found, snap_frame};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
@@ -329,7 +326,7 @@ impl Search<'_> {
         for frame in &found.frames {
             document.frames[frame.index].clicks.clear();
         }
-        super::record_found(&mut document, self.camera, &found);
+        record_found(&mut document, self.camera, &found);
         let (of, field) = (found.frames.len(), &found.field);
         for (chunk, some) in found.frames.chunks_mut(AT_ONCE).enumerate() {
             self.told(UnclickedProgress::Snapping { done: chunk * AT_ONCE, of })?;

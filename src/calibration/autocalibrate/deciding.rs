@@ -1,6 +1,7 @@
 //! The landmark whose click decides between two answers.
 
-use super::{DecidingLandmark, UnclickedCamera, UnclickedFrame};
+use super::DecidingLandmark;
+use crate::calibrate::{UnclickedCamera, UnclickedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Document;
 

@@ -13,7 +13,7 @@
 
 use super::clicked::GroundClick;
 use super::error::Stop;
-use super::evidence::measure_evidence;
+use super::evidence::{doubts_of, measure_evidence};
 use super::field_prior::FieldPrior;
 use super::joint::{FrameObservations, FramePaint, JointAdjustment, JointStart, adjust_jointly};
 use super::matched_frames::MatchedFrames;
@@ -23,7 +23,8 @@ use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::Hypothesis;
 use super::starts::{ScaledHypothesis, hypotheses_from_clicks, search_hypotheses};
-use super::{Doubt, UnclickedError, UnclickedEvidence, UnclickedProgress, WatchUnclicked};
+use super::{Doubt, UnclickedError, UnclickedProgress, WatchUnclicked};
+use crate::calibrate::UnclickedEvidence;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -103,7 +104,7 @@ impl Candidate {
         for (index, frame_ptz) in matched.indices.iter().zip(&joint.ptz) {
             ptz[*index] = *frame_ptz;
         }
-        let doubts = evidence.doubts(&joint);
+        let doubts = doubts_of(&evidence, &joint.base);
         let view_graph = ViewGraph {
             indices: matched.indices.clone(),
             matches: Arc::clone(&matched.matches),
