@@ -107,7 +107,7 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
         "two clicks, 330 frames: {median:.2} / {high:.2} px, worst {worst:.1}; 68 % regions hold {:.1} %",
         100.0 * f64::from(held) / f64::from(of)
     );
-    // 1.4 / 3.1, worst 8.8 in `tests/benches/README.md`.
+    // 1.4 / 3.1, worst 8.8 in `tests/benches/trust.md`.
     assert!(median < 1.45 && high < 3.1 && worst < 10.0, "{median:.2} / {high:.2} px, worst {worst:.1}");
     assert!(100 * held >= 68 * of, "{held} of {of} within their 68 % regions");
 }

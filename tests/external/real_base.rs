@@ -1,6 +1,6 @@
 //! The base of real cameras from people's clicks alone.
 //!
-//! `cargo test --test external real_base` prints the tables that stand in `tests/benches/README.md`.
+//! `cargo test --test external real_base` prints the tables that stand in `tests/benches/base.md`.
 
 use crate::parts::{Test, frames_folder, tests};
 use crate::real_frames::{MIRRORED, Summary};
@@ -50,7 +50,7 @@ fn read(path: &Path) -> Match {
 /// Median and 90 % over the three sets at clicks held out, each click once in five rounds, the model chosen anew in each.
 const TO_REACH: (f64, f64) = (2.4, 5.5);
 
-/// Median and 90 % of each set at held-out clicks with the model that the program chooses, as `tests/benches/README.md` has
+/// Median and 90 % of each set at held-out clicks with the model that the program chooses, as `tests/benches/base.md` has
 /// them.
 const CHOSEN_MODEL: [(f64, f64); 3] = [(3.00, 7.07), (2.34, 5.23), (1.87, 4.15)];
 
@@ -170,7 +170,7 @@ fn only(frame: &FrameClicks, keep: &[usize]) -> FrameClicks {
     FrameClicks { observations: keep.iter().map(|&click| frame.observations[click]).collect(), start: None }
 }
 
-/// The table of `tests/benches/README.md`: frames, whether only four clicks of each are used, median and 90 % of the errors
+/// The table of `tests/benches/base.md`: frames, whether only four clicks of each are used, median and 90 % of the errors
 /// of all other frames, each fitted to four of its clicks and measured at the rest, px.
 const FEW_FRAMES: [(usize, bool, f64, f64); 10] = [
     (1, false, 4.0, 9.2),

@@ -1,6 +1,6 @@
 //! Two clicks on real frames: the best-separated pair of each frame's clicks solves it, the other clicks judge it.
 //!
-//! `cargo test --test external real_frames` prints the tables that stand in `tests/benches/README.md`.
+//! `cargo test --test external real_frames` prints the tables that stand in `tests/benches/two-clicks.md`.
 
 use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;

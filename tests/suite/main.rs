@@ -38,6 +38,7 @@ mod exchange_commands;
 mod experiment_command;
 mod failing_places;
 mod fields_command;
+mod figures;
 mod given_data;
 mod killed;
 mod library;

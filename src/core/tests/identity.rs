@@ -135,7 +135,7 @@ fn one_swap_or_one_wrong_landmark_is_found_and_mended() {
             }
         }
         println!("swap {swap}: {found} found, {mended} mended of {trials}");
-        // 98.3 and 97.2 % in `tests/benches/README.md`; all that are found are mended rightly.
+        // 98.3 and 97.2 % in `tests/benches/names.md`; all that are found are mended rightly.
         let least = if swap { 590 } else { 583 };
         assert!(found >= least && mended == found, "swap {swap}: {found}, {mended} of {trials}");
     }
@@ -195,7 +195,7 @@ fn tells_of_a_mistake(solved: &FrameSolution) -> bool {
         || (judgement.verdict != Verdict::Good && !doubtful && other_than_separation(&judgement.reason))
 }
 
-/// The table of `tests/benches/README.md`: in % of the frames, how often a swap, the three mirrored sides and one wrong
+/// The table of `tests/benches/names.md`: in % of the frames, how often a swap, the three mirrored sides and one wrong
 /// landmark are at least refused or warned of, and how often the right names of the first four are at hand.
 const TWO_CLICKS: [(Known, [usize; 5], [usize; 4]); 3] = [
     (Known::Nothing, [100, 100, 99, 100, 98], [66, 65, 84, 56]),

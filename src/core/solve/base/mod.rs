@@ -36,7 +36,7 @@
 //!
 //! # Figures
 //!
-//! `tests/benches/README.md`: drawn cameras with everything drawn from its prior (`base_coverage`), twelve measured broadcast lenses (`lenses`), clicked
+//! `tests/benches/base.md`: drawn cameras with everything drawn from its prior (`base_coverage`), twelve measured broadcast lenses (`lenses`), clicked
 //! matches.
 
 mod adjust;
