@@ -42,7 +42,7 @@ schema: build-packages ## make the JSON Schema of documents from their types aga
 	cargo run --quiet --no-default-features --features schema --bin document-schema > target/touchline.schema.json
 	mv target/touchline.schema.json assets/touchline.schema.json
 
-bench: build-packages ## run the benchmarks (tests/benches/README.md has past figures)
+bench: build-packages ## run the benchmarks (tests/benches/README.md has the figures)
 	cargo bench --workspace --benches
 
 no-click: build-packages ## the camera without a click: all drawn matches and inputs that must fail, not below their stated rates
