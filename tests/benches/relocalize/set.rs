@@ -1,7 +1,6 @@
 //! Documents with the features of their frames.
 
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline::camera::{CameraBase, Ptz};
 use touchline::document::{Document, Frame};
