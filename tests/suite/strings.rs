@@ -7,10 +7,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Where texts for people are written.
-const ROOMS: [&str; 8] = [
+const ROOMS: [&str; 9] = [
     "application/app",
     "ui",
     "application/jobs",
+    "calibration/autocalibrate",
     "calibration/calibrate",
     "documents/store",
     "vision/media",

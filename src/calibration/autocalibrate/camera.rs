@@ -10,7 +10,7 @@ use super::field_prior::FieldPrior;
 use super::held::Held;
 use super::matched_frames::MatchedFrames;
 use super::place::Place;
-use super::refined::Refined;
+use super::refined::{Refined, without_labels};
 use super::traces::{FrameTraces, PictureOfFrame};
 use super::{Abstention, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked};
 use crate::calibrate::{UnclickedCamera, UnclickedFrame, record_found, snap_frame};
@@ -321,11 +321,7 @@ impl Search<'_> {
             return Ok(Place { camera: found, view_graph });
         };
         found.frames = held.frames(&view_graph, frames);
-        // Snapping reads the clicks of a frame; here there are none.
-        let mut document = self.document.document.clone();
-        for frame in &found.frames {
-            document.frames[frame.index].clicks.clear();
-        }
+        let mut document = without_labels(self.document.document, self.camera);
         record_found(&mut document, self.camera, &found);
         let (of, field) = (found.frames.len(), &found.field);
         for (chunk, some) in found.frames.chunks_mut(AT_ONCE).enumerate() {

@@ -15,10 +15,23 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
-use touchline_documents::document::{CameraId, DocumentAt, Frame};
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 
 /// What is seen once more from the same pictures is known no better than half of what it moved by.
 const OF_MOVE: f64 = 0.5;
+
+/// A copy of a document in which nothing is known of a camera's frames: a search reads neither clicks nor cameras that were known before.
+pub(super) fn without_labels(document: &Document, camera: &CameraId) -> Document {
+    let mut bare = document.clone();
+    for index in 0..bare.frames.len() {
+        if bare.frames[index].camera == *camera {
+            let frame = &mut bare.frames[index];
+            (frame.clicks, frame.ptz, frame.solution) = (Vec::new(), None, None);
+            frame.status = frame.undecided();
+        }
+    }
+    bare
+}
 
 /// A base adjusted once more.
 pub(super) struct Refined {
@@ -41,15 +54,7 @@ impl Refined {
         picture: PictureOfFrame<'_>,
         watch: WatchUnclicked<'_>,
     ) -> Result<Option<Self>, Stop> {
-        // Clicks are not read, nor cameras that were known before.
-        let mut bare = document.document.clone();
-        for index in 0..bare.frames.len() {
-            if bare.frames[index].camera == *camera {
-                let frame = &mut bare.frames[index];
-                (frame.clicks, frame.ptz, frame.solution) = (Vec::new(), None, None);
-                frame.status = frame.undecided();
-            }
-        }
+        let mut bare = without_labels(document.document, camera);
         record_found(&mut bare, camera, found);
         let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
         let at = bare.at(document.folder);
