@@ -1,6 +1,7 @@
 //! The base and every frame's camera adjusted to the paint of all frames together.
 
 use super::field_prior::FieldPrior;
+use super::matched_frames::renumber_matches;
 use super::pitch_map::{OnLine, PitchMap};
 use super::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
@@ -84,8 +85,7 @@ fn held_by_ties(
     // Frames that take part, numbered among themselves.
     let part: Vec<usize> = (0..ptz.len()).filter(|frame| ptz[*frame].is_some()).collect();
     let place = |frame: usize| part.binary_search(&frame).ok();
-    let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
-    let ties: Vec<Tie> = ties.iter().filter_map(inside).collect();
+    let ties = renumber_matches(ties, &part);
     let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
     let holds = holds(base, ptz, taken).into_iter();
     let holds: Vec<Hold> = holds.filter_map(|hold| Some(Hold { frame: place(hold.frame)?, ..hold })).collect();
