@@ -171,3 +171,81 @@ pub(super) fn prior_from_alignment(frame: usize, ptz: Ptz, covariance: &Mat3, im
     let information = (to_log_focal * covariance * to_log_focal + floor).try_inverse()?;
     Some(Hold { frame, ptz, information, loss: Loss::Cauchy { c: ALIGNED_LOSS_SIGMAS } })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{IMAGE_SIZE, base, hypothesis, matched, ptz, soccer};
+    use super::*;
+    use std::ops::ControlFlow;
+
+    fn worst_apart_px(found: &[Ptz], truth: &[Ptz]) -> f64 {
+        let apart_px =
+            |(found, truth): (&Ptz, &Ptz)| overlays_apart_px(&PtzCamera::new(base(), *truth), *found, IMAGE_SIZE);
+        found.iter().zip(truth).map(apart_px).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_frame_without_paint_is_placed_by_its_matches() {
+        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        hypothesis.ptz[3] = None;
+        hypothesis.paint_priors.retain(|prior| prior.frame != 3);
+        let solved = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, &matched).unwrap();
+        let found: Vec<Ptz> = solved.frames(&matched).iter().map(|frame| frame.ptz).collect();
+        assert!(worst_apart_px(&found, &ptz()) < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn frames_without_any_prior_stay_as_they_are() {
+        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        hypothesis.ptz.fill(None);
+        let no_picture = &mut |_: usize| None;
+        let frames = hypothesis.camera.frames.clone();
+        let same = align_frames(hypothesis, &matched, no_picture, &|_| ControlFlow::Continue(()));
+        assert_eq!(same.ok().map(|same| same.camera.frames), Some(frames));
+    }
+
+    #[test]
+    fn frames_whose_pictures_cannot_be_read_are_placed_and_not_aligned() {
+        let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let no_picture = &mut |_: usize| None;
+        let aligned = align_frames(hypothesis, &matched, no_picture, &|_| ControlFlow::Continue(()));
+        let camera = aligned.ok().map(|aligned| aligned.camera).unwrap();
+        assert_eq!((camera.frames.len(), camera.snapped_count()), (7, 0));
+        assert!(camera.frames.iter().all(|frame| frame.uncertainty.is_some()));
+        assert!(!camera.paint.is_empty(), "where the paint lies is told");
+    }
+
+    #[test]
+    fn a_frame_that_nothing_places_well_is_not_answered() {
+        let (mut matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        matched.matches.retain(|pair| pair.first != 0);
+        hypothesis.paint_priors[0].information = Mat3::identity();
+        let no_picture = &mut |_: usize| None;
+        let aligned = align_frames(hypothesis, &matched, no_picture, &|_| ControlFlow::Continue(()));
+        let indices = aligned.ok().map(|aligned| aligned.camera.frames.iter().map(|f| f.index).collect());
+        assert_eq!(indices, Some(vec![11, 12, 13, 14, 15, 16]));
+    }
+
+    #[test]
+    fn alignment_stops_when_it_is_told_to() {
+        let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        let stopped = align_frames(hypothesis, &matched, &mut |_| None, &|_| ControlFlow::Break(()));
+        assert!(matches!(stopped, Err(Stop::Failed(super::super::UnclickedError::Stopped))));
+    }
+
+    #[test]
+    fn an_alignment_is_never_taken_as_exact() {
+        let ptz = Ptz::from_degrees(10.0, -8.0, 2000.0);
+        let size = ImageSize::new(1920, 1080);
+        let prior = prior_from_alignment(4, ptz, &Mat3::zeros(), size).unwrap();
+        let sigma = |axis: usize| prior.information[(axis, axis)].sqrt().recip();
+        assert_eq!(prior.frame, 4);
+        assert!((sigma(0) - 1.0 / 2000.0).abs() < 1e-12, "1 px as an angle: {}", sigma(0));
+        assert!((sigma(2) - 2.0 / 1920.0).abs() < 1e-12, "1 px half a width away: {}", sigma(2));
+        // 20 px of focal length are 1 % of it.
+        let wide = Mat3::from_diagonal(&Vec3::new(0.0, 0.0, 400.0));
+        let prior = prior_from_alignment(4, ptz, &wide, size).unwrap();
+        let sigma = prior.information[(2, 2)].sqrt().recip();
+        assert!((sigma - 0.01_f64.hypot(2.0 / 1920.0)).abs() < 1e-12, "{sigma}");
+    }
+}

@@ -295,3 +295,54 @@ fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let runner_up = elsewhere.filter(is_runner_up);
     Ok(Choice { best, runner_up })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{hypothesis, soccer};
+    use super::*;
+    use touchline_core::geometry::Vec3;
+
+    /// A hypothesis beside the right one that passes every question of the evidence.
+    fn beside(x_m: f64, score: f64) -> Hypothesis {
+        let mut hypothesis = hypothesis(&soccer().assumed);
+        hypothesis.camera.base.position_m += Vec3::x() * x_m;
+        let evidence = &mut hypothesis.camera.evidence;
+        (evidence.explained, evidence.visible, evidence.frames) = (score, 1.0, 7);
+        evidence.lines = ["a", "b", "c", "d", "e"].map(str::to_owned).to_vec();
+        hypothesis
+    }
+
+    /// The score recorded of another position, and how far the runner-up stands from the best, m.
+    fn chosen(candidates: Vec<Hypothesis>) -> (f64, Option<f64>) {
+        let Choice { best, runner_up } = choose(candidates).unwrap();
+        let apart_m = |other: Hypothesis| (other.position_m() - best.position_m()).norm();
+        (best.camera.evidence.rival, runner_up.map(apart_m))
+    }
+
+    #[test]
+    fn one_position_twice_has_no_runner_up() {
+        assert_eq!(chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]), (0.0, None));
+    }
+
+    #[test]
+    fn the_runner_up_explains_nearly_as_much() {
+        assert_eq!(chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89), beside(8.0, 0.8)]), (0.8, Some(8.0)));
+        let (score, runner_up) = chosen(vec![beside(0.0, 0.9), beside(8.0, 0.62)]);
+        assert_eq!((score, runner_up), (0.62, None), "its score is told all the same");
+    }
+
+    #[test]
+    fn a_doubtful_candidate_is_no_runner_up_to_one_without_doubts() {
+        let mut doubtful = beside(8.0, 0.85);
+        doubtful.camera.evidence.lines.clear();
+        assert_eq!(chosen(vec![beside(0.0, 0.9), doubtful.clone()]), (0.85, None));
+        let mut best = beside(0.0, 0.9);
+        best.camera.evidence.lines.clear();
+        assert_eq!(chosen(vec![best, doubtful]), (0.85, Some(8.0)), "where the best has doubts too");
+    }
+
+    #[test]
+    fn without_candidates_nothing_fits() {
+        assert_eq!(choose(Vec::new()).err(), Some(Abstention::NothingFits));
+    }
+}

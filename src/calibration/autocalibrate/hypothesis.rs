@@ -80,3 +80,53 @@ impl Hypothesis {
         filled(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{base, frames_at_scale, hypothesis, matched, paint, ptz, soccer};
+    use super::*;
+
+    #[test]
+    fn base_and_frames_are_found_again_from_beside() {
+        let (field, matched) = (soccer().assumed, matched());
+        let mut start_base = base();
+        start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
+        let start = JointStart { field: field.clone(), base: start_base, ptz: ptz().into_iter().map(Some).collect() };
+        let found = Hypothesis::adjust(&start, None, &frames_at_scale(&field), &matched).unwrap();
+        let off_m = (found.position_m() - base().position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m");
+        let indices: Vec<usize> = found.camera.frames.iter().map(|frame| frame.index).collect();
+        assert_eq!(indices, matched.indices);
+        assert_eq!(found.paint_priors.len(), ptz().len());
+        assert!(found.camera.evidence.residual_px < 0.5, "{}", found.camera.evidence.residual_px);
+        assert!(found.camera.evidence.explained > 0.95, "{}", found.camera.evidence.explained);
+    }
+
+    #[test]
+    fn without_paint_there_is_no_hypothesis() {
+        let (field, matched) = (soccer().assumed, matched());
+        let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
+        bare.paint.iter_mut().for_each(Vec::clear);
+        let start = JointStart { field, base: base(), ptz: ptz().into_iter().map(Some).collect() };
+        assert!(Hypothesis::adjust(&start, None, &Arc::new(bare), &matched).is_none());
+    }
+
+    #[test]
+    fn the_fixture_shows_lines_in_every_frame() {
+        let field = soccer().assumed;
+        assert!(ptz().into_iter().all(|ptz| paint(&field, ptz).len() > 40));
+    }
+
+    #[test]
+    fn all_frames_have_a_camera_if_one_has() {
+        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        hypothesis.ptz[1..].fill(None);
+        let all = hypothesis.all_ptz(&matched).unwrap();
+        for (found, truth) in all.iter().zip(ptz()) {
+            assert!((found.pan - truth.pan).degrees().abs() < 1e-6, "{found:?}");
+            assert!((found.focal_px - truth.focal_px).abs() < 1e-6, "{found:?}");
+        }
+        hypothesis.ptz[0] = None;
+        assert!(hypothesis.all_ptz(&matched).is_none());
+    }
+}

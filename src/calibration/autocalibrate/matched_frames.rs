@@ -122,3 +122,65 @@ fn paint_of_frames(points: &[PersistentPoint], num_frames: usize) -> Vec<FramePa
     }
     paint
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{IMAGE_SIZE, bare_frame, exact_match, exact_matches};
+    use super::*;
+
+    /// Sampled frames with indices 20, 21, …
+    fn sampled(count: usize) -> Vec<SampledFrame> {
+        (0..count).map(|frame| bare_frame(20 + frame, IMAGE_SIZE)).collect()
+    }
+
+    #[test]
+    fn the_largest_connected_group_is_kept_and_the_others_are_named() {
+        // Frames 0 and 6 match nothing; 1 to 3 hang together, and so do 4 and 5.
+        let matches: Vec<Tie> =
+            [(1, 2), (2, 3), (4, 5)].iter().filter_map(|&(first, second)| exact_match(first, second)).collect();
+        let matched = MatchedFrames::from_matches(&sampled(7), &matches).unwrap();
+        assert_eq!(matched.indices, [21, 22, 23]);
+        assert_eq!(matched.others, [20, 24, 25, 26]);
+        let pairs: Vec<(usize, usize)> = matched.matches.iter().map(|pair| (pair.first, pair.second)).collect();
+        assert_eq!(pairs, [(0, 1), (1, 2)], "numbered within the group");
+        assert_eq!(matched.matches[0].matches, matches[0].matches);
+        assert_eq!((matched.number_of(22), matched.number_of(24)), (Some(1), None));
+        assert_eq!((matched.strokes.len(), matched.masks.len()), (3, 3));
+    }
+
+    #[test]
+    fn two_frames_are_too_few() {
+        let matches = [exact_match(0, 1).unwrap()];
+        let refused = MatchedFrames::from_matches(&sampled(4), &matches).err();
+        assert_eq!(refused, Some(Abstention::NotTied { frames: 4, tied: 2 }));
+        let refused = MatchedFrames::from_matches(&[], &[]).err();
+        assert_eq!(refused, Some(Abstention::NotTied { frames: 0, tied: 0 }));
+    }
+
+    #[test]
+    fn frames_of_another_size_are_another_cameras() {
+        let mut frames = sampled(5);
+        frames[2] = bare_frame(22, ImageSize::new(640, 360));
+        let matches: Vec<Tie> = exact_matches().into_iter().filter(|pair| pair.second < 5).collect();
+        let matched = MatchedFrames::from_matches(&frames, &matches).unwrap();
+        assert_eq!((matched.others, matched.image_size), (vec![22], IMAGE_SIZE));
+    }
+
+    #[test]
+    fn masks_stay_with_their_frames() {
+        let mut frames = sampled(4);
+        let mask = PixelBox { x: 0.0, y: 0.0, width: 200.0, height: 40.0 };
+        frames[3].masks = vec![mask];
+        let matches: Vec<Tie> =
+            [(1, 2), (2, 3)].iter().filter_map(|&(first, second)| exact_match(first, second)).collect();
+        let matched = MatchedFrames::from_matches(&frames, &matches).unwrap();
+        assert_eq!(matched.masks, [vec![], vec![], vec![mask]]);
+    }
+
+    #[test]
+    fn frames_without_paint_show_too_little() {
+        let matched = MatchedFrames::from_matches(&sampled(7), &exact_matches()).unwrap();
+        let refused = matched.at_scale(100).err();
+        assert_eq!(refused, Some(Abstention::LittlePaint { places: 0 }));
+    }
+}

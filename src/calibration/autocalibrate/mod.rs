@@ -73,6 +73,8 @@ mod pitch_map;
 mod pose;
 mod progress;
 mod refine;
+#[cfg(test)]
+mod rotating_camera;
 mod rotations_by_focal_scale;
 mod sampled_frames;
 mod search;

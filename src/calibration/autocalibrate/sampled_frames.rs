@@ -65,3 +65,31 @@ pub(super) fn spread_evenly(indices: &[usize], count: usize) -> impl Iterator<It
     let count = count.min(indices.len());
     (0..count).map(move |place| indices[place * indices.len() / count])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sampled_frames_are_spread_over_all_and_none_comes_twice() {
+        let indices: Vec<usize> = (100..110).collect();
+        let spread = |count: usize| spread_evenly(&indices, count).collect::<Vec<usize>>();
+        assert_eq!(spread(4), [100, 102, 105, 107]);
+        assert_eq!(spread(10), indices);
+        assert_eq!(spread(25), indices, "no more than there are");
+        assert_eq!(spread(0), [0; 0]);
+        assert_eq!(spread_evenly(&[], 5).count(), 0);
+    }
+
+    #[test]
+    fn pictures_that_cannot_be_read_are_left_out() {
+        let size = ImageSize::new(8, 8);
+        let mut asked = Vec::new();
+        let mut picture = |index: usize| {
+            asked.push(index);
+            (index != 4).then(|| Picture::filled(size, [0, 0, 0, 255]))
+        };
+        let read: Vec<usize> = read_pictures(&[3, 4, 9], &mut picture).into_iter().map(|(index, _)| index).collect();
+        assert_eq!((read, asked), (vec![3, 9], vec![3, 4, 9]));
+    }
+}

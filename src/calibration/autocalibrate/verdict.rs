@@ -82,3 +82,51 @@ pub(super) fn contradicting_click(camera: &UnclickedCamera, clicks: &[GroundClic
         (off_px > max_px).then(|| Doubt::ClickContradicts { landmark, frame: frame.name(), off_px })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{hypothesis, matched, soccer};
+    use super::*;
+    use touchline_core::geometry::Vec3;
+    use touchline_core::solve::base::FittedSize;
+
+    #[test]
+    fn frames_that_are_not_aligned_are_counted() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        camera.evidence.frames = 7;
+        assert_eq!(few_aligned(&camera, MIN_ALIGNED), Some(Doubt::FewSnapped { snapped: 0, frames: 7 }));
+        assert_eq!(few_aligned(&camera, 0.0), None);
+        assert!(is_refuted(&camera));
+    }
+
+    #[test]
+    fn a_length_that_the_frames_do_not_show_is_a_doubt() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        assert_eq!(open_size(&camera), None);
+        let size = |name: &str, is_open: bool| FittedSize {
+            name: name.to_owned(),
+            assumed_m: 105.0,
+            value_m: 104.0,
+            sigma_m: 0.7,
+            position_sigma_m: Vec3::zeros(),
+            is_open,
+        };
+        camera.sizes = vec![size("length_m", false), size("width_m", true)];
+        let doubt = Doubt::SizeOpen { name: "width_m".to_owned(), value_m: 104.0, sigma_m: 0.7 };
+        assert_eq!(open_size(&camera), Some(doubt));
+    }
+
+    #[test]
+    fn nothing_is_missing_where_no_open_ground_is_seen() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        camera.frames.clear();
+        assert_eq!(missing_in_frames(&camera, &matched()), [""; 0]);
+    }
+
+    #[test]
+    fn lines_are_missing_in_pictures_of_bare_turf() {
+        let camera = hypothesis(&soccer().assumed).camera;
+        let missing = missing_in_frames(&camera, &matched());
+        assert!(missing.len() >= 5, "{missing:?}");
+    }
+}
