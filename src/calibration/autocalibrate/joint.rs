@@ -1,7 +1,7 @@
 //! The base and every frame's camera adjusted to the paint of all frames together.
 
 use super::field_prior::FieldPrior;
-use super::matched_frames::renumber_matches;
+use super::matched_frames::{FramePaint, renumber_matches};
 use super::pitch_map::{OnLine, PitchMap};
 use super::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
@@ -41,9 +41,6 @@ const MIN_FRAMES: usize = 2;
 /// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
 /// much.
 const HOLD_SIGMAS: f64 = 2.0;
-
-/// Paint of a frame, px.
-pub(super) type FramePaint = Vec<ImagePoint>;
 
 /// A base and its frames, adjusted jointly to paint.
 pub(super) struct JointAdjustment {

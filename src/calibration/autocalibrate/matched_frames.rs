@@ -5,11 +5,10 @@
 //! how they turn, and which paint they show in one direction.
 
 use super::error::Stop;
-use super::joint::FramePaint;
 use super::sampled_frames::SampledFrame;
 use super::search::Panorama;
 use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
-use touchline_core::geometry::{ImageSize, PixelBox, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_vision::features::Features;
 use touchline_vision::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
 use touchline_vision::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
@@ -19,6 +18,9 @@ const MIN_DIRECTIONS: usize = 150;
 
 /// Fewer frames hardly show what is drawn on the ground and what is not.
 const MIN_FRAMES: usize = 3;
+
+/// Paint of a frame, px.
+pub(super) type FramePaint = Vec<ImagePoint>;
 
 /// The largest group of frames that pairwise matches connect, numbered within the group.
 pub(super) struct MatchedFrames {

@@ -460,7 +460,7 @@ impl Problem for PaintProblem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::joint::FramePaint;
+    use super::super::matched_frames::FramePaint;
     use super::super::pitch_map::OnLine;
     use super::*;
     use std::path::Path;
