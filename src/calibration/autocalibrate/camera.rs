@@ -1,47 +1,29 @@
-//! A document's camera found without a click: its frames looked at, the bases that explain their paint, and the best of these
-//! asked of every frame's own picture.
+//! The search for a document's camera from end to end: sample the frames, match them, find the candidates for the base, align and
+//! refine the best two, and judge.
 
-use super::candidates::{Candidate, RUNNER_UP_RATIO, SAME_POSITION_M, ViewGraph, find_candidates};
+use super::align::align_frames;
+use super::candidates::{RUNNER_UP_RATIO, SAME_POSITION_M, find_candidates};
 use super::clicked::GroundClick;
-use super::deciding::deciding_landmark;
+use super::deciding_landmark::deciding_landmark;
 use super::error::Stop;
-use super::evidence::missing_lines;
 use super::field_prior::FieldPrior;
-use super::held::Held;
+use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
-use super::place::Place;
-use super::refined::{Refined, without_labels};
-use super::traces::{FrameTraces, PictureOfFrame};
+use super::progress::report;
+use super::refine::{SearchedCamera, refine_base};
+use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly};
+use super::verdict::{
+    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click, few_aligned, is_refuted,
+    missing_in_frames, open_size, uncertain,
+};
 use super::{Abstention, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked};
-use crate::calibrate::{UnclickedCamera, UnclickedFrame, record_found, snap_frame};
-use rayon::prelude::*;
+use crate::calibrate::UnclickedCamera;
 use std::collections::BTreeSet;
-use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::ImageSize;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
-use touchline_vision::media::Picture;
-use touchline_vision::paint::SnapOptions;
 
-/// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
-/// real and drawn matches, wrong ones .5 and less.
-const MIN_SNAPPED: f64 = 0.75;
-
-/// So many have to agree before the last adjustment, which brings a place that is nearly right to its lines.
-const MIN_BEFORE: f64 = 0.5;
-
-/// With a rival that explains nearly as much, this share has to agree with the one and at most that with the other.
-const OVER_REFUTED: f64 = 0.85;
-const REFUTED: f64 = 0.65;
-
-/// Landmarks of the ground without which no place is named.
-const FEWEST_CLICKS: usize = 2;
-
-/// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
-const CONTRADICTING_PX: f64 = 25.0;
-
-/// Pictures that are held in memory together.
-const AT_ONCE: usize = 8;
+/// Landmarks of the ground without which clicks determine no pose.
+const MIN_CLICKS: usize = 2;
 
 /// Finds a camera of a document from its frames' pictures alone; clicks are not read. `look_at` frames at most are looked at,
 /// spread over all of them; each is asked for by `picture` up to twice.
@@ -56,7 +38,9 @@ pub fn camera_without_clicks(
     picture: PictureOfFrame<'_>,
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
-    answered((document, camera), false, look_at, picture, watch)
+    let field_prior = FieldPrior::from_document(document, camera)?;
+    let search = Search { document, camera, field_prior: &field_prior, by_clicks: false, watch };
+    search.run(look_at, picture)
 }
 
 /// The same where a person has clicked two landmarks of the ground or more, in one frame or in several: they say where the camera
@@ -72,23 +56,9 @@ pub fn camera_from_few_clicks(
     picture: PictureOfFrame<'_>,
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
-    answered((document, camera), true, look_at, picture, watch)
-}
-
-/// The answer of a search, by clicks or without.
-fn answered(
-    (document, camera): (DocumentAt<'_>, &CameraId),
-    by_clicks: bool,
-    look_at: usize,
-    picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
-) -> Result<UnclickedAnswer, UnclickedError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    match (Search { document, camera, field_prior: &field_prior, by_clicks, watch }).answer(look_at, picture) {
-        Ok(answer) => Ok(answer),
-        Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
-        Err(Stop::Failed(error)) => Err(error),
-    }
+    let search = Search { document, camera, field_prior: &field_prior, by_clicks: true, watch };
+    search.run(look_at, picture)
 }
 
 struct Search<'a> {
@@ -100,83 +70,101 @@ struct Search<'a> {
     watch: WatchUnclicked<'a>,
 }
 
+/// The best candidate, and another one elsewhere that explains the paint nearly as well.
+struct Choice {
+    best: Hypothesis,
+    runner_up: Option<Hypothesis>,
+}
+
 impl Search<'_> {
-    fn told(&self, progress: UnclickedProgress) -> Result<(), Stop> {
-        if (self.watch)(progress).is_break() { Err(UnclickedError::Stopped.into()) } else { Ok(()) }
+    /// The answer; an abstention is one.
+    fn run(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, UnclickedError> {
+        match self.find(max_sampled, picture) {
+            Ok(answer) => Ok(answer),
+            Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
+            Err(Stop::Failed(error)) => Err(error),
+        }
     }
 
-    fn answer(&self, look_at: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
-        let spread = self.spread(look_at);
-        // Fewer clicks name no place: no picture need be looked at.
-        if self.by_clicks && self.clicks(&spread).len() < FEWEST_CLICKS {
+    fn find(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
+        let indices = self.choose_frames(max_sampled);
+        // Fewer clicks determine no pose: no picture need be read.
+        if self.by_clicks && self.clicks(&indices).len() < MIN_CLICKS {
             return Err(Abstention::NothingFits.into());
         }
-        let (frames, traces) = self.look(&spread, picture)?;
-        let matched = MatchedFrames::from_traces(&traces, self.watch)?;
-        let of_group: Option<Vec<GroundClick>> = self.by_clicks.then(|| {
-            let place = |click: &GroundClick| matched.indices.iter().position(|place| frames[*place] == click.frame);
-            let in_group = |click: GroundClick| Some(GroundClick { frame: place(&click)?, ..click });
-            self.clicks(&frames).into_iter().filter_map(in_group).collect()
-        });
-        let found = find_candidates(frames.len(), &matched, of_group.as_deref(), self.field_prior, self.watch)?;
-        let mut places = found.into_iter();
-        let best = places.next().ok_or(Abstention::NothingFits)?;
-        let is_elsewhere = |other: &Candidate| {
-            (other.base.position_m - best.base.position_m).norm() > SAME_POSITION_M && other.score() > 0.0
-        };
-        let rival = places.find(is_elsewhere);
-        let rival_score = rival.as_ref().map_or(0.0, Candidate::score);
-        // A rival with doubts of its own is none to an answer without.
-        let is_rival = |rival: &Candidate| {
-            best.score() < RUNNER_UP_RATIO * rival_score && (rival.doubts.is_empty() || !best.doubts.is_empty())
-        };
-        let other = rival.filter(is_rival);
-        let doubts = best.doubts.clone();
-        let mut best = Place::of(best, &frames);
-        best.camera.evidence.rival = rival_score;
-        // A line is looked for once more where the last adjustment has it: before, it may lie just beside its paint.
+        let sampled = self.sample(&indices, picture)?;
+        let matched = MatchedFrames::from_sampled(&sampled, self.watch)?;
+        let clicks = self.by_clicks.then(|| self.clicks_in_group(&matched));
+        let candidates = find_candidates(&matched, clicks.as_deref(), self.field_prior, self.watch)?;
+        let Choice { best, runner_up } = choose(candidates)?;
+
+        // Missing lines are looked for once more in the refined camera: before, a line may lie just beside its paint.
+        let doubts = best.doubts();
         if doubts.iter().any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. })) {
             return Err(uncertain(doubts, best.camera));
         }
-        let looked_at = LookedAt { frames: &frames, traces: &traces };
-        let best = self.snapped(best, &frames, picture)?;
-        let Some(other) = other else {
-            return match few_snapped(&best.camera, MIN_BEFORE) {
-                Some(doubt) => Err(uncertain(vec![doubt], best.camera)),
-                None => self.found(best, looked_at, picture, MIN_SNAPPED),
-            };
-        };
-        let is_doubted = !doubts.is_empty() || !other.doubts.is_empty();
-        let mut other = Place::of(other, &frames);
-        other.camera.evidence.rival = best.camera.evidence.score();
-        let other = self.snapped(other, &frames, picture)?;
-        // Both explain the paint about equally well: the one that the frames' own pictures contradict is the runner-up.
-        let [best, other] = match few_snapped(&best.camera, MIN_BEFORE) {
-            Some(doubt) if is_doubted || few_snapped(&other.camera, MIN_BEFORE).is_some() => {
+        let is_doubted = !doubts.is_empty();
+        let best = align_frames(best, &matched, picture, self.watch)?;
+        match (runner_up, few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING)) {
+            (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted, &matched, picture),
+            (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
+            (None, None) => self.refine_and_judge(&best, &matched, picture, MIN_ALIGNED),
+        }
+    }
+
+    /// The answer where two candidates explain the paint about equally well; `best` is aligned. `is_doubted` says that some evidence
+    /// speaks against it.
+    fn decide_between(
+        &self,
+        best: Hypothesis,
+        mut runner_up: Hypothesis,
+        is_doubted: bool,
+        matched: &MatchedFrames,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<UnclickedAnswer, Stop> {
+        let is_doubted = is_doubted || !runner_up.doubts().is_empty();
+        runner_up.camera.evidence.rival = best.score();
+        let runner_up = align_frames(runner_up, matched, picture, self.watch)?;
+
+        // The one that the frames' own pictures contradict is the runner-up.
+        let is_misaligned =
+            |hypothesis: &Hypothesis| few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some();
+        let [best, runner_up] = match few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING) {
+            Some(doubt) if is_doubted || is_misaligned(&runner_up) => {
                 return Err(uncertain(vec![doubt], best.camera));
             }
-            Some(_) => [other, best],
-            None => [best, other],
+            Some(_) => [runner_up, best],
+            None => [best, runner_up],
         };
-        // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
-        if snapped_share(&other.camera) <= REFUTED {
-            return self.found(best, looked_at, picture, OVER_REFUTED);
+        if is_refuted(&runner_up.camera) {
+            return self.refine_and_judge(&best, matched, picture, MIN_ALIGNED_WITH_RUNNER_UP);
         }
-        // Two that become one where both are adjusted once more differed by the field's size only.
-        let both = [self.refined(&best.camera, picture)?, self.refined(&other.camera, picture)?];
-        let [best, other] = match both {
-            [Some(of_best), Some(of_other)]
-                if (of_best.position_m() - of_other.position_m()).norm() < SAME_POSITION_M =>
-            {
-                let best = self.settled(best, Some(of_best), &frames, picture)?;
-                return self.judged(best, looked_at, OVER_REFUTED);
+
+        let options = BaseOptions::default();
+        let refined =
+            [self.refine(&best, &options, matched, picture)?, self.refine(&runner_up, &options, matched, picture)?];
+        let [best, runner_up] = match refined {
+            // Two that become one where both are refined differed by the field's size only.
+            [Some(best), Some(runner_up)] if (best.position_m() - runner_up.position_m()).norm() < SAME_POSITION_M => {
+                let best = align_frames(best, matched, picture, self.watch)?;
+                return self.judge(best.camera, matched, MIN_ALIGNED_WITH_RUNNER_UP);
             }
-            [of_best, of_other] => {
-                [self.settled(best, of_best, &frames, picture)?, self.settled(other, of_other, &frames, picture)?]
-            }
+            [refined_best, refined_runner_up] => [
+                self.align_refined(refined_best, best, matched, picture)?.camera,
+                self.align_refined(refined_runner_up, runner_up, matched, picture)?.camera,
+            ],
         };
-        // Two that are left to a person to choose from have to be as good as one that refutes another.
-        let doubt = |found| few_snapped(found, OVER_REFUTED).or_else(|| open_size(found));
+        self.leave_to_a_click(best, runner_up, is_doubted)
+    }
+
+    /// Both cameras, for a person to choose from. Each has to be as good as one that refutes another.
+    fn leave_to_a_click(
+        &self,
+        best: UnclickedCamera,
+        other: UnclickedCamera,
+        is_doubted: bool,
+    ) -> Result<UnclickedAnswer, Stop> {
+        let doubt = |camera| few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP).or_else(|| open_size(camera));
         let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
             doubts.insert(0, Doubt::Rival);
@@ -186,212 +174,175 @@ impl Search<'_> {
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
     }
 
-    /// The answer that is left: adjusted once more to what its frames' own pictures show.
-    fn found(
+    /// Refines the only candidate that is left, aligns its frames from there and judges it.
+    fn refine_and_judge(
         &self,
-        found: Place,
-        looked_at: LookedAt<'_>,
+        hypothesis: &Hypothesis,
+        matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
-        least_snapped: f64,
+        min_aligned: f64,
     ) -> Result<UnclickedAnswer, Stop> {
-        let Some(refined) = self.refined(&found.camera, picture)? else {
-            return Err(uncertain(vec![Doubt::NotHeld], found.camera));
+        let Some(refined) = self.refine(hypothesis, &BaseOptions::default(), matched, picture)? else {
+            return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
         };
-        let mut settled = self.settled(found.clone(), Some(refined), looked_at.frames, picture)?;
-        if few_snapped(&settled, least_snapped).is_some() {
+        let mut camera = align_frames(refined, matched, picture, self.watch)?.camera;
+        if few_aligned(&camera, min_aligned).is_some() {
             // The frames that already lay on their paint may have drawn the principal point away from where the others have it.
             let centred = BaseOptions { placing_frames: usize::MAX, ..BaseOptions::default() };
-            if let Some(refined) = self.refined_by(&centred, &found.camera, picture)? {
-                let other = self.settled(found, Some(refined), looked_at.frames, picture)?;
-                settled = if other.snapped_count() > settled.snapped_count() { other } else { settled };
+            if let Some(refined) = self.refine(hypothesis, &centred, matched, picture)? {
+                let other = align_frames(refined, matched, picture, self.watch)?.camera;
+                camera = if other.snapped_count() > camera.snapped_count() { other } else { camera };
             }
         }
-        self.judged(settled, looked_at, least_snapped)
+        self.judge(camera, matched, min_aligned)
     }
 
-    /// A camera where it was adjusted once more, its frames pulled onto their paint from there; as it is where it was not.
-    fn settled(
+    /// A refined hypothesis with its frames aligned from there; the hypothesis as it was where it could not be refined.
+    fn align_refined(
         &self,
-        place: Place,
-        refined: Option<Refined>,
-        frames: &[usize],
+        refined: Option<Hypothesis>,
+        unrefined: Hypothesis,
+        matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
-    ) -> Result<UnclickedCamera, Stop> {
-        let Some(refined) = refined else { return Ok(place.camera) };
-        let size = self.size(frames, &place.view_graph);
-        Ok(self.snapped(place.refined(refined, frames, size), frames, picture)?.camera)
-    }
-
-    /// The answer after its last adjustment, if enough of its frames agree with it, no line is missing and no click contradicts it.
-    fn judged(
-        &self,
-        mut found: UnclickedCamera,
-        looked_at: LookedAt<'_>,
-        least_snapped: f64,
-    ) -> Result<UnclickedAnswer, Stop> {
-        found.evidence.missing = looked_at.missing_lines(&found);
-        let missing = || {
-            let lines = &found.evidence.missing;
-            (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() })
-        };
-        let contradicted = || self.contradicted(&found);
-        match few_snapped(&found, least_snapped).or_else(missing).or_else(contradicted) {
-            Some(doubt) => Err(uncertain(vec![doubt], found)),
-            None => Ok(UnclickedAnswer::Found(Box::new(found))),
+    ) -> Result<Hypothesis, Stop> {
+        match refined {
+            Some(refined) => align_frames(refined, matched, picture, self.watch),
+            None => Ok(unrefined),
         }
     }
 
-    /// A camera adjusted once more to its frames' own pictures. The field's size is fitted where that is open, even where the usual one
-    /// explained as much: this adjustment sees decimetres of it.
-    fn refined(&self, found: &UnclickedCamera, picture: PictureOfFrame<'_>) -> Result<Option<Refined>, Stop> {
-        self.refined_by(&BaseOptions::default(), found, picture)
-    }
-
-    fn refined_by(
+    fn refine(
         &self,
+        hypothesis: &Hypothesis,
         options: &BaseOptions,
-        found: &UnclickedCamera,
+        matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
-    ) -> Result<Option<Refined>, Stop> {
-        self.told(UnclickedProgress::Refining)?;
-        let sized = self.field_prior.is_size_unknown();
-        Refined::of((found, sized), options, (self.document, self.camera), picture, self.watch)
+    ) -> Result<Option<Hypothesis>, Stop> {
+        let (document, camera) = (self.document, self.camera);
+        let is_size_unknown = self.field_prior.is_size_unknown();
+        let searched = SearchedCamera { document, camera, is_size_unknown };
+        refine_base(hypothesis, options, searched, matched, picture, self.watch)
     }
 
-    /// The clicks that say where the camera stands.
-    fn clicks(&self, frames: &[usize]) -> Vec<GroundClick> {
+    /// The answer, if enough of the camera's frames agree with it, no line is missing and no click contradicts it.
+    fn judge(
+        &self,
+        mut camera: UnclickedCamera,
+        matched: &MatchedFrames,
+        min_aligned: f64,
+    ) -> Result<UnclickedAnswer, Stop> {
+        camera.evidence.missing = missing_in_frames(&camera, matched);
+        let lines = &camera.evidence.missing;
+        let missing = || (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() });
+        let indices: Vec<usize> = camera.frames.iter().map(|frame| frame.index).collect();
+        let contradicted = || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
+        match few_aligned(&camera, min_aligned).or_else(missing).or_else(contradicted) {
+            Some(doubt) => Err(uncertain(vec![doubt], camera)),
+            None => Ok(UnclickedAnswer::Found(Box::new(camera))),
+        }
+    }
+
+    /// The clicks that say where the camera stands, on some frames of the document.
+    fn clicks(&self, indices: &[usize]) -> Vec<GroundClick> {
         if self.by_clicks {
-            GroundClick::of(&self.document.frames, frames, &self.field_prior.assumed)
+            GroundClick::of(&self.document.frames, indices, &self.field_prior.assumed)
         } else {
             Vec::new()
         }
     }
 
-    /// The doubt about a camera that a click contradicts.
-    fn contradicted(&self, found: &UnclickedCamera) -> Option<Doubt> {
-        let indices: Vec<usize> = found.frames.iter().map(|frame| frame.index).collect();
-        let off = |click: &GroundClick| {
-            let of_found = found.frames.iter().find(|frame| frame.index == click.frame)?;
-            let at_m = found.field.landmark_in_world(found.field.landmark(click.landmark.as_str())?);
-            let seen = PtzCamera::new(found.base, of_found.ptz).image_from_world(at_m);
-            let off_px = seen.map_or(f64::INFINITY, |seen| seen.distance_px(click.image));
-            let frame = &self.document.frames[click.frame];
-            (off_px > CONTRADICTING_PX * frame.image_size.scale_from_1920()).then(|| Doubt::ClickContradicts {
-                landmark: click.landmark.as_str().to_owned(),
-                frame: frame.name(),
-                off_px,
-            })
-        };
-        self.clicks(&indices).iter().find_map(off)
+    /// The clicks on matched frames, numbered as these.
+    fn clicks_in_group(&self, matched: &MatchedFrames) -> Vec<GroundClick> {
+        let renumber = |click: GroundClick| Some(GroundClick { frame: matched.number_of(click.frame)?, ..click });
+        self.clicks(&matched.indices).into_iter().filter_map(renumber).collect()
     }
 
-    /// The frames that are looked at: of the camera, spread evenly, and those with clicks where these are read.
-    fn spread(&self, look_at: usize) -> Vec<usize> {
+    /// The frames that are sampled: of the camera, spread evenly, and those with clicks where these are read.
+    fn choose_frames(&self, max_sampled: usize) -> Vec<usize> {
         let frames = self.document.frames.iter().enumerate();
         let usable = frames.filter(|(_, frame)| frame.camera == *self.camera && frame.status != FrameStatus::Rejected);
         let of_camera: Vec<usize> = usable.map(|(index, _)| index).collect();
-        let count = look_at.min(of_camera.len());
-        let spread = (0..count).map(|place| of_camera[place * of_camera.len() / count]);
         let clicked = self.clicks(&of_camera).into_iter().map(|click| click.frame);
-        spread.chain(clicked).collect::<BTreeSet<usize>>().into_iter().collect()
+        let chosen: BTreeSet<usize> = spread_evenly(&of_camera, max_sampled).chain(clicked).collect();
+        chosen.into_iter().collect()
     }
 
-    /// What is kept of the frames' pictures, and which frames could be read.
-    fn look(&self, frames: &[usize], picture: PictureOfFrame<'_>) -> Result<(Vec<usize>, Vec<FrameTraces>), Stop> {
-        let (mut read, mut traces) = (Vec::new(), Vec::new());
-        for (chunk, some) in frames.chunks(AT_ONCE).enumerate() {
-            self.told(UnclickedProgress::Looking { done: chunk * AT_ONCE, of: frames.len() })?;
-            let pictures = pictures_of(some, picture);
-            let of_picture = |(index, picture): &(usize, Picture)| {
-                FrameTraces::of(picture, &self.document.masks_of(&self.document.frames[*index]))
-            };
-            let some: Result<Vec<_>, _> = pictures.par_iter().map(of_picture).collect();
-            traces.extend(some.map_err(UnclickedError::from)?);
-            read.extend(pictures.iter().map(|(index, _)| *index));
+    /// Samples the frames whose picture can be read.
+    fn sample(&self, indices: &[usize], picture: PictureOfFrame<'_>) -> Result<Vec<SampledFrame>, Stop> {
+        let masks_of = |index: usize| self.document.masks_of(&self.document.frames[index]);
+        let mut sampled = Vec::new();
+        for (chunk, some) in indices.chunks(MAX_PICTURES_IN_MEMORY).enumerate() {
+            let done = chunk * MAX_PICTURES_IN_MEMORY;
+            report(self.watch, UnclickedProgress::Looking { done, of: indices.len() })?;
+            sampled.extend(sample_frames(some, masks_of, picture).map_err(UnclickedError::from)?);
         }
-        Ok((read, traces))
-    }
-
-    /// A camera's frames: held by their neighbours, pulled onto the paint of their own pictures, and held by that in turn. Those
-    /// that stay uncertain go. `frames` are the places of those looked at.
-    fn snapped(&self, place: Place, frames: &[usize], picture: PictureOfFrame<'_>) -> Result<Place, Stop> {
-        let Place { camera: mut found, view_graph } = place;
-        let size = self.size(frames, &view_graph);
-        let Some(held) = Held::of(&found.base, &view_graph, &view_graph.paint_priors, size) else {
-            return Ok(Place { camera: found, view_graph });
-        };
-        found.frames = held.frames(&view_graph, frames);
-        let mut document = without_labels(self.document.document, self.camera);
-        record_found(&mut document, self.camera, &found);
-        let (of, field) = (found.frames.len(), &found.field);
-        for (chunk, some) in found.frames.chunks_mut(AT_ONCE).enumerate() {
-            self.told(UnclickedProgress::Snapping { done: chunk * AT_ONCE, of })?;
-            let places: Vec<usize> = some.iter().map(|frame| frame.index).collect();
-            let snapped = |(index, picture): &(usize, Picture)| {
-                let snapped =
-                    snap_frame(&document, &document.frames[*index], field, picture, &SnapOptions::default()).ok();
-                (*index, snapped.map(|(_, snapped)| snapped))
-            };
-            let snapped: Vec<_> = pictures_of(&places, picture).par_iter().map(snapped).collect();
-            for (index, snapped) in snapped {
-                if let Some(frame) = some.iter_mut().find(|frame| frame.index == index) {
-                    frame.snapped = snapped;
-                }
-            }
-        }
-        held.settle(&mut found, &view_graph);
-        Ok(Place { camera: found, view_graph })
-    }
-
-    /// The size of the frames that hang together.
-    fn size(&self, frames: &[usize], view_graph: &ViewGraph) -> ImageSize {
-        let first = view_graph.indices.first().and_then(|place| frames.get(*place));
-        first.map_or(ImageSize::new(0, 0), |index| self.document.frames[*index].image_size)
+        Ok(sampled)
     }
 }
 
-/// The frames that were looked at, by their places in the document, with what was kept of each.
-#[derive(Clone, Copy)]
-struct LookedAt<'a> {
-    frames: &'a [usize],
-    traces: &'a [FrameTraces],
+/// Chooses the best of the candidates, and the runner-up if that explains nearly as much. `candidates` come best first.
+fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
+    let mut candidates = candidates.into_iter();
+    let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
+    let is_elsewhere =
+        |other: &Hypothesis| (other.position_m() - best.position_m()).norm() > SAME_POSITION_M && other.score() > 0.0;
+    let elsewhere = candidates.find(is_elsewhere);
+    best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
+    // One with doubts of its own is no runner-up to a best one without.
+    let is_runner_up = |other: &Hypothesis| {
+        best.score() < RUNNER_UP_RATIO * other.score() && (other.doubts().is_empty() || !best.doubts().is_empty())
+    };
+    let runner_up = elsewhere.filter(is_runner_up);
+    Ok(Choice { best, runner_up })
 }
 
-impl LookedAt<'_> {
-    /// The lines of the field that a camera should show in its frames and does not, by name.
-    fn missing_lines(&self, found: &UnclickedCamera) -> Vec<String> {
-        let looking = |frame: &UnclickedFrame| {
-            let place = self.frames.iter().position(|index| *index == frame.index)?;
-            Some((PtzCamera::new(found.base, frame.ptz), &self.traces[place].strokes))
-        };
-        missing_lines(&found.field, &found.frames.iter().filter_map(looking).collect::<Vec<_>>())
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{hypothesis, soccer};
+    use super::*;
+    use touchline_core::geometry::Vec3;
+
+    /// A hypothesis beside the right one that passes every question of the evidence.
+    fn beside(x_m: f64, score: f64) -> Hypothesis {
+        let mut hypothesis = hypothesis(&soccer().assumed);
+        hypothesis.camera.base.position_m += Vec3::x() * x_m;
+        let evidence = &mut hypothesis.camera.evidence;
+        (evidence.explained, evidence.visible, evidence.frames) = (score, 1.0, 7);
+        evidence.lines = ["a", "b", "c", "d", "e"].map(str::to_owned).to_vec();
+        hypothesis
     }
-}
 
-/// No answer, for what speaks against the best one.
-fn uncertain(doubts: Vec<Doubt>, best: UnclickedCamera) -> Stop {
-    Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into()
-}
+    /// The score recorded of another position, and how far the runner-up stands from the best, m.
+    fn chosen(candidates: Vec<Hypothesis>) -> (f64, Option<f64>) {
+        let Choice { best, runner_up } = choose(candidates).unwrap();
+        let apart_m = |other: Hypothesis| (other.position_m() - best.position_m()).norm();
+        (best.camera.evidence.rival, runner_up.map(apart_m))
+    }
 
-/// The share of the frames that agree with their own paint, of those that show enough of it.
-fn snapped_share(found: &UnclickedCamera) -> f64 {
-    found.snapped_count() as f64 / found.evidence.frames.max(1) as f64
-}
+    #[test]
+    fn one_position_twice_has_no_runner_up() {
+        assert_eq!(chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]), (0.0, None));
+    }
 
-/// The doubt about a camera with which fewer than a share of its frames agree.
-fn few_snapped(found: &UnclickedCamera, least: f64) -> Option<Doubt> {
-    let (snapped, frames) = (found.snapped_count(), found.evidence.frames);
-    (snapped_share(found) < least).then_some(Doubt::FewSnapped { snapped, frames })
-}
+    #[test]
+    fn the_runner_up_explains_nearly_as_much() {
+        assert_eq!(chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89), beside(8.0, 0.8)]), (0.8, Some(8.0)));
+        let (score, runner_up) = chosen(vec![beside(0.0, 0.9), beside(8.0, 0.62)]);
+        assert_eq!((score, runner_up), (0.62, None), "its score is told all the same");
+    }
 
-/// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
-/// be metres off.
-fn open_size(found: &UnclickedCamera) -> Option<Doubt> {
-    let open = found.sizes.iter().find(|size| size.is_open)?;
-    Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
-}
+    #[test]
+    fn a_doubtful_candidate_is_no_runner_up_to_one_without_doubts() {
+        let mut doubtful = beside(8.0, 0.85);
+        doubtful.camera.evidence.lines.clear();
+        assert_eq!(chosen(vec![beside(0.0, 0.9), doubtful.clone()]), (0.85, None));
+        let mut best = beside(0.0, 0.9);
+        best.camera.evidence.lines.clear();
+        assert_eq!(chosen(vec![best, doubtful]), (0.85, Some(8.0)), "where the best has doubts too");
+    }
 
-/// Some frames' pictures with their places; those that cannot be read are left out.
-fn pictures_of(frames: &[usize], picture: PictureOfFrame<'_>) -> Vec<(usize, Picture)> {
-    frames.iter().filter_map(|index| Some((*index, picture(*index)?))).collect()
+    #[test]
+    fn without_candidates_nothing_fits() {
+        assert_eq!(choose(Vec::new()).err(), Some(Abstention::NothingFits));
+    }
 }

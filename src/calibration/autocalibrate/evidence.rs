@@ -1,7 +1,8 @@
 //! What speaks for and against a base that was found from frames alone.
 
 use super::Doubt;
-use super::joint::{FramePaint, JointAdjustment};
+use super::joint::JointAdjustment;
+use super::matched_frames::FramePaint;
 use crate::calibrate::UnclickedEvidence;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};

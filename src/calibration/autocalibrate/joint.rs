@@ -1,6 +1,7 @@
 //! The base and every frame's camera adjusted to the paint of all frames together.
 
 use super::field_prior::FieldPrior;
+use super::matched_frames::{FramePaint, renumber_matches};
 use super::pitch_map::{OnLine, PitchMap};
 use super::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
@@ -40,9 +41,6 @@ const MIN_FRAMES: usize = 2;
 /// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
 /// much.
 const HOLD_SIGMAS: f64 = 2.0;
-
-/// Paint of a frame, px.
-pub(super) type FramePaint = Vec<ImagePoint>;
 
 /// A base and its frames, adjusted jointly to paint.
 pub(super) struct JointAdjustment {
@@ -84,8 +82,7 @@ fn held_by_ties(
     // Frames that take part, numbered among themselves.
     let part: Vec<usize> = (0..ptz.len()).filter(|frame| ptz[*frame].is_some()).collect();
     let place = |frame: usize| part.binary_search(&frame).ok();
-    let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
-    let ties: Vec<Tie> = ties.iter().filter_map(inside).collect();
+    let ties = renumber_matches(ties, &part);
     let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
     let holds = holds(base, ptz, taken).into_iter();
     let holds: Vec<Hold> = holds.filter_map(|hold| Some(Hold { frame: place(hold.frame)?, ..hold })).collect();

@@ -1,94 +1,188 @@
-//! Frames of one camera, matched pairwise.
+//! Frames of one camera, matched pairwise: the view graph of the search.
+//!
+//! [`MatchedFrames`] is the largest connected group of the sampled frames. All later stages number frames within that group; only
+//! [`MatchedFrames::indices`] leads back to the document. [`FramesAtScale`] is what the matches say of the frames at one focal scale:
+//! how they turn, and which paint they show in one direction.
 
 use super::error::Stop;
-use super::joint::FramePaint;
+use super::sampled_frames::SampledFrame;
 use super::search::Panorama;
-use super::traces::FrameTraces;
 use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
-use std::sync::Arc;
-use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_vision::features::Features;
 use touchline_vision::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
-use touchline_vision::track::{Tie, TrackError, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+use touchline_vision::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+
+/// Directions of paint without which nothing can be found.
+const MIN_DIRECTIONS: usize = 150;
+
+/// Fewer frames hardly show what is drawn on the ground and what is not.
+const MIN_FRAMES: usize = 3;
+
+/// Paint of a frame, px.
+pub(super) type FramePaint = Vec<ImagePoint>;
 
 /// The largest group of frames that pairwise matches connect, numbered within the group.
 pub(super) struct MatchedFrames {
-    /// Their indices among the sampled frames.
+    /// Their indices in the document, ascending.
     pub indices: Vec<usize>,
+    /// The sampled frames outside the group, by their indices in the document: another camera's.
+    pub others: Vec<usize>,
     /// Of their pictures.
-    pub size: ImageSize,
-    pub matches: Arc<Vec<Tie>>,
+    pub image_size: ImageSize,
+    /// The edges of the view graph.
+    pub matches: Vec<Tie>,
+    /// Of each frame.
     pub strokes: Vec<Strokes>,
+    /// Of each frame: boxes whose pixels do not count.
+    pub masks: Vec<Vec<PixelBox>>,
 }
 
-/// The paint of frames turned in some way.
-pub(super) struct GatheredPaint {
-    pub panorama: Panorama,
-    /// The paint that stays, of each frame.
-    pub of_frames: Vec<FramePaint>,
+/// The frames as pairwise matches place them at one focal scale.
+pub(super) struct FramesAtScale {
+    /// The logarithm of the focal scale: of the factor on the focal lengths that fit the matches best.
+    pub log_scale: f64,
+    pub rotations: Turns,
+    /// Persistent paint of each frame.
+    pub paint: Vec<FramePaint>,
 }
 
 impl MatchedFrames {
-    /// Of frames that were looked at.
+    /// Matches the sampled frames and keeps the largest connected group.
     ///
     /// # Errors
-    /// Too few hang together, the search was stopped, or OpenCV is missing or refused.
-    pub fn from_traces(frames: &[FrameTraces], watch: WatchUnclicked<'_>) -> Result<Self, Stop> {
+    /// Too few are connected, the search was stopped, or OpenCV is missing or refused.
+    pub fn from_sampled(frames: &[SampledFrame], watch: WatchUnclicked<'_>) -> Result<Self, Stop> {
         let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
-        let ties = tie_frames(&features, &|done, of| watch(UnclickedProgress::Tying { done, of }))
+        let matches = tie_frames(&features, &|done, of| watch(UnclickedProgress::Tying { done, of }))
             .map_err(UnclickedError::Track)?;
         if watch(UnclickedProgress::Tying { done: pairs, of: pairs }).is_break() {
             return Err(UnclickedError::Stopped.into());
         }
-        let group = largest_group(frames, &ties)?;
-        let size = frames[group[0]].size();
-        let place = |frame: usize| group.binary_search(&frame).ok();
-        let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
-        let strokes = group.iter().map(|frame| frames[*frame].strokes.clone()).collect();
-        let ties = Arc::new(ties.iter().filter_map(inside).collect());
-        Ok(Self { indices: group, size, matches: ties, strokes })
+        Ok(Self::from_matches(frames, &matches)?)
     }
 
-    /// How the frames are turned, with focal lengths of so many per cent of what the ties say.
-    pub fn relative_rotations(&self, focal_percent: u32) -> Result<Turns, TrackError> {
-        let options = TurnOptions { focal_scale: f64::from(focal_percent) / 100.0, ..TurnOptions::default() };
-        adjust_turns(self.indices.len(), &self.matches, self.size, &options)
+    /// Keeps the largest group of frames of one size that `matches` connect.
+    pub fn from_matches(frames: &[SampledFrame], matches: &[Tie]) -> Result<Self, Abstention> {
+        let is_of_one_size = |pair: &&Tie| frames[pair.first].image_size() == frames[pair.second].image_size();
+        let of_one_size: Vec<Tie> = matches.iter().filter(is_of_one_size).cloned().collect();
+        let group = groups(frames.len(), &of_one_size).into_iter().next().unwrap_or_default();
+        if group.len() < MIN_FRAMES {
+            return Err(Abstention::NotTied { frames: frames.len(), tied: group.len() });
+        }
+        let others = (0..frames.len()).filter(|frame| group.binary_search(frame).is_err());
+        Ok(Self {
+            indices: group.iter().map(|&frame| frames[frame].index).collect(),
+            others: others.map(|frame| frames[frame].index).collect(),
+            image_size: frames[group[0]].image_size(),
+            matches: renumber_matches(matches, &group),
+            strokes: group.iter().map(|&frame| frames[frame].strokes.clone()).collect(),
+            masks: group.iter().map(|&frame| frames[frame].masks.clone()).collect(),
+        })
     }
 
-    /// The paint of the frames turned as stated.
-    pub fn gather_paint(&self, turns: &Turns) -> Result<GatheredPaint, Abstention> {
-        /// Directions of paint without which nothing can be found.
-        const LEAST: usize = 150;
-        let frames: Vec<_> =
-            self.strokes.iter().enumerate().map(|(frame, strokes)| (turns.camera(frame), strokes.clone())).collect();
+    /// A frame of the document, by its number in the group.
+    pub fn number_of(&self, index: usize) -> Option<usize> {
+        self.indices.iter().position(|other| *other == index)
+    }
+
+    /// The frames with focal lengths of `focal_percent` per cent of what the matches say, and the panorama of their paint.
+    pub fn at_scale(&self, focal_percent: u32) -> Result<(FramesAtScale, Panorama), Abstention> {
+        let focal_scale = f64::from(focal_percent) / 100.0;
+        let options = TurnOptions { focal_scale, ..TurnOptions::default() };
+        let rotations = adjust_turns(self.indices.len(), &self.matches, self.image_size, &options)
+            .map_err(Abstention::NotTurning)?;
+        let frames: Vec<_> = self
+            .strokes
+            .iter()
+            .enumerate()
+            .map(|(frame, strokes)| (rotations.camera(frame), strokes.clone()))
+            .collect();
         let points = persistent_paint(&frames);
         let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
-        let panorama = Panorama::of(&directions, SeenGround::of(&frames));
-        if panorama.directions.len() < LEAST {
+        let panorama = Panorama::new(&directions, SeenGround::of(&frames));
+        if panorama.directions.len() < MIN_DIRECTIONS {
             return Err(Abstention::LittlePaint { places: panorama.directions.len() });
         }
-        Ok(GatheredPaint { panorama, of_frames: paint_of_frames(&points, self.strokes.len()) })
+        let paint = paint_of_frames(&points, self.strokes.len());
+        Ok((FramesAtScale { log_scale: focal_scale.ln(), rotations, paint }, panorama))
     }
 }
 
-/// The largest group of frames of one size that hang together.
-fn largest_group(frames: &[FrameTraces], ties: &[Tie]) -> Result<Vec<usize>, Abstention> {
-    /// Fewer frames hardly show what is drawn on the ground and what is not.
-    const LEAST: usize = 3;
-    let same_size: Vec<Tie> =
-        ties.iter().filter(|tie| frames[tie.first].size() == frames[tie.second].size()).cloned().collect();
-    let group = groups(frames.len(), &same_size).into_iter().next().unwrap_or_default();
-    if group.len() < LEAST {
-        return Err(Abstention::NotTied { frames: frames.len(), tied: group.len() });
-    }
-    Ok(group)
+/// The matches between frames of a group (ascending), renumbered within it; those that lead out of it are left out.
+pub(super) fn renumber_matches(matches: &[Tie], group: &[usize]) -> Vec<Tie> {
+    let number = |frame: usize| group.binary_search(&frame).ok();
+    let renumber = |pair: &Tie| Some(Tie { first: number(pair.first)?, second: number(pair.second)?, ..pair.clone() });
+    matches.iter().filter_map(renumber).collect()
 }
 
-fn paint_of_frames(points: &[PersistentPoint], frames: usize) -> Vec<FramePaint> {
-    let mut paint = vec![FramePaint::new(); frames];
+fn paint_of_frames(points: &[PersistentPoint], num_frames: usize) -> Vec<FramePaint> {
+    let mut paint = vec![FramePaint::new(); num_frames];
     for point in points {
         paint[point.frame].push(point.stroke.at);
     }
     paint
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{IMAGE_SIZE, bare_frame, exact_match, exact_matches};
+    use super::*;
+
+    /// Sampled frames with indices 20, 21, …
+    fn sampled(count: usize) -> Vec<SampledFrame> {
+        (0..count).map(|frame| bare_frame(20 + frame, IMAGE_SIZE)).collect()
+    }
+
+    #[test]
+    fn the_largest_connected_group_is_kept_and_the_others_are_named() {
+        // Frames 0 and 6 match nothing; 1 to 3 hang together, and so do 4 and 5.
+        let matches: Vec<Tie> =
+            [(1, 2), (2, 3), (4, 5)].iter().filter_map(|&(first, second)| exact_match(first, second)).collect();
+        let matched = MatchedFrames::from_matches(&sampled(7), &matches).unwrap();
+        assert_eq!(matched.indices, [21, 22, 23]);
+        assert_eq!(matched.others, [20, 24, 25, 26]);
+        let pairs: Vec<(usize, usize)> = matched.matches.iter().map(|pair| (pair.first, pair.second)).collect();
+        assert_eq!(pairs, [(0, 1), (1, 2)], "numbered within the group");
+        assert_eq!(matched.matches[0].matches, matches[0].matches);
+        assert_eq!((matched.number_of(22), matched.number_of(24)), (Some(1), None));
+        assert_eq!((matched.strokes.len(), matched.masks.len()), (3, 3));
+    }
+
+    #[test]
+    fn two_frames_are_too_few() {
+        let matches = [exact_match(0, 1).unwrap()];
+        let refused = MatchedFrames::from_matches(&sampled(4), &matches).err();
+        assert_eq!(refused, Some(Abstention::NotTied { frames: 4, tied: 2 }));
+        let refused = MatchedFrames::from_matches(&[], &[]).err();
+        assert_eq!(refused, Some(Abstention::NotTied { frames: 0, tied: 0 }));
+    }
+
+    #[test]
+    fn frames_of_another_size_are_another_cameras() {
+        let mut frames = sampled(5);
+        frames[2] = bare_frame(22, ImageSize::new(640, 360));
+        let matches: Vec<Tie> = exact_matches().into_iter().filter(|pair| pair.second < 5).collect();
+        let matched = MatchedFrames::from_matches(&frames, &matches).unwrap();
+        assert_eq!((matched.others, matched.image_size), (vec![22], IMAGE_SIZE));
+    }
+
+    #[test]
+    fn masks_stay_with_their_frames() {
+        let mut frames = sampled(4);
+        let mask = PixelBox { x: 0.0, y: 0.0, width: 200.0, height: 40.0 };
+        frames[3].masks = vec![mask];
+        let matches: Vec<Tie> =
+            [(1, 2), (2, 3)].iter().filter_map(|&(first, second)| exact_match(first, second)).collect();
+        let matched = MatchedFrames::from_matches(&frames, &matches).unwrap();
+        assert_eq!(matched.masks, [vec![], vec![], vec![mask]]);
+    }
+
+    #[test]
+    fn frames_without_paint_show_too_little() {
+        let matched = MatchedFrames::from_matches(&sampled(7), &exact_matches()).unwrap();
+        let refused = matched.at_scale(100).err();
+        assert_eq!(refused, Some(Abstention::LittlePaint { places: 0 }));
+    }
 }

@@ -18,15 +18,18 @@
 //!
 //! | stage | file | robust against |
 //! |---|---|---|
-//! | 1. Features and marking pixels of each sampled frame | `traces.rs` | – |
+//! | 1. Features and marking pixels of each sampled frame | `sampled_frames.rs` | – |
 //! | 2. Pairwise matches; the largest connected group; relative rotations, zoom and lens | `matched_frames.rs`, [`touchline_vision::track`] | wrong matches (MAGSAC, loops of three frames), burnt-in graphics, frames of another camera |
 //! | 3. Persistent paint as directions | `matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
-//! | 4. Exhaustive search of 304,425 poses for each field size, repeated at other focal scales; the best are improved by pattern search and fitted | `starts.rs`, `search.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
+//! | 4. Exhaustive search of 304,425 poses for each field size, repeated at other focal scales; the best are improved by pattern search and fitted | `focal_scales.rs`, `search.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
 //! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `clicked.rs` | – |
 //! | 5. Fit of the panorama with focal scale, crown and field size | `panorama_fit.rs` | low cameras, from which size and distance trade off |
-//! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `candidates.rs`, `joint.rs` | wrong lines at first; frames that stray |
+//! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `candidates.rs`, `hypothesis.rs`, `joint.rs` | wrong lines at first; frames that stray |
 //! | 7. Evidence: paint on lines × lines with paint; halves of the frames give one position | `evidence.rs` | fields of another sport or size |
-//! | 8. The best two are aligned to each frame's own picture and adjusted once more; verdict | `camera.rs`, `held.rs`, `refined.rs`, `deciding.rs` | a runner-up that explains nearly as much |
+//! | 8. The best two are aligned to each frame's own picture and adjusted once more | `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
+//! | 9. Verdict | `verdict.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much |
+//!
+//! `camera.rs` runs the stages in this order. From stage 6 on a candidate is one `Hypothesis`, which each stage refines.
 //!
 //! `field_prior.rs` says which field sizes are tried, `pitch_map.rs` which line a camera sees nearest to a point, and
 //! `rotations_by_focal_scale.rs` interpolates stage 2 between the focal scales at which it was solved. Without an answer,
@@ -51,32 +54,35 @@
 //! * Y. Chen, G. Medioni: "Object modelling by registration of multiple range images", Image and Vision Computing 10, 1992 (stages 4–6).
 //! * B. Efron: "The Jackknife, the Bootstrap and Other Resampling Plans", 1982 (stage 7, for few frames).
 
+mod align;
 mod answer;
 mod camera;
 mod candidates;
 mod clicked;
-mod deciding;
+mod deciding_landmark;
 mod doubt;
 mod error;
 mod evidence;
 mod field_prior;
-mod held;
+mod focal_scales;
+mod hypothesis;
 mod joint;
 mod matched_frames;
 mod panorama_fit;
 mod pitch_map;
-mod place;
 mod pose;
 mod progress;
-mod refined;
+mod refine;
+#[cfg(test)]
+mod rotating_camera;
 mod rotations_by_focal_scale;
+mod sampled_frames;
 mod search;
-mod starts;
-mod traces;
+mod verdict;
 
 pub use answer::{DecidingLandmark, UnclickedAnswer};
 pub use camera::{camera_from_few_clicks, camera_without_clicks};
 pub use doubt::Doubt;
 pub use error::{Abstention, UnclickedError};
 pub use progress::{UnclickedProgress, WatchUnclicked};
-pub use traces::PictureOfFrame;
+pub use sampled_frames::PictureOfFrame;

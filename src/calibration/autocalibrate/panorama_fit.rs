@@ -20,10 +20,10 @@
 //! template, so neither has a closed form.
 
 use super::field_prior::{FieldPrior, OpenLength};
+use super::matched_frames::FramesAtScale;
 use super::pitch_map::PitchMap;
 use super::pose::{PaintCorrespondence, PanoramaPose, UPRIGHT_SIGMA, angular_scale};
 use super::rotations_by_focal_scale::{FocalScale, RotationsByFocalScale};
-use super::starts::ScaledHypothesis;
 use nalgebra::{SMatrix, SVector, Vector1};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{BaseAngles, CameraBase};
@@ -93,20 +93,20 @@ pub(super) struct PanoramaStart<'a> {
     pub field: &'a FieldModel,
 }
 
-/// Fits the panorama of a hypothesis to a field; with a size prior, the field's size as well. None if too little paint lies near the
+/// Fits the panorama of frames to a field; with a size prior, the field's size as well. None if too little paint lies near the
 /// lines.
 ///
 /// The fit is made twice, with the focal scale that the matches suggest as a prior and without. Matches are usually good to a few per
 /// cent, but scrolling boards or a lens that the model does not describe bias all of them alike. Paint overrules them only if it is
 /// explained clearly better without them.
 pub(super) fn fit_panorama(
-    hypothesis: &ScaledHypothesis,
+    frames: &FramesAtScale,
     start: &PanoramaStart<'_>,
     size_prior: Option<&FieldPrior>,
     rotations: &RotationsByFocalScale,
 ) -> Option<PanoramaFit> {
     const OVERRULES_MATCHES: f64 = 1.1;
-    let paint = PaintSamples::spread_over_sphere(hypothesis, rotations);
+    let paint = PaintSamples::spread_over_sphere(frames, rotations);
     let with_matches = fit_with_scale_prior(rotations.focal_scale_from_matches(), &paint, start, size_prior);
     let without = fit_with_scale_prior(FocalScale::unknown(start.log_scale), &paint, start, size_prior);
     match (with_matches, without) {
@@ -215,15 +215,15 @@ struct PaintSample {
 }
 
 impl<'a> PaintSamples<'a> {
-    /// The paint of a hypothesis, at most one sample per frame in each cell of a grid over the sphere. Several frames that show one
+    /// The paint of frames, at most one sample per frame in each cell of a grid over the sphere. Several frames that show one
     /// place keep a sample each: they are independent measurements of it.
-    fn spread_over_sphere(hypothesis: &ScaledHypothesis, rotations: &'a RotationsByFocalScale) -> Self {
+    fn spread_over_sphere(frames: &FramesAtScale, rotations: &'a RotationsByFocalScale) -> Self {
         const CELL_DEG: f64 = 0.1;
         const MAX_SAMPLES: usize = 12_000;
         let mut taken = BTreeSet::new();
         let mut samples = Vec::new();
-        for (frame, paint) in hypothesis.paint.iter().enumerate() {
-            let camera = hypothesis.rotations.camera(frame);
+        for (frame, paint) in frames.paint.iter().enumerate() {
+            let camera = frames.rotations.camera(frame);
             for &image in paint {
                 // Beyond the fold of the lens a pixel has no direction.
                 let Ok(direction) = camera.world_direction_from_image(image) else { continue };
@@ -460,9 +460,8 @@ impl Problem for PaintProblem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::joint::FramePaint;
+    use super::super::matched_frames::FramePaint;
     use super::super::pitch_map::OnLine;
-    use super::super::search::Hypothesis;
     use super::*;
     use std::path::Path;
     use touchline_core::camera::{FocalCurve, Ptz};
@@ -487,12 +486,12 @@ mod tests {
     }
 
     /// The paint of a field as frames show it from a pose.
-    fn hypothesis(pose: &PanoramaPose, field: &FieldModel) -> ScaledHypothesis {
-        hypothesis_at(100, pose, field)
+    fn frames(pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
+        frames_at(100, pose, field)
     }
 
     /// The same where the frames are turned as at another focal scale.
-    fn hypothesis_at(percent: u32, pose: &PanoramaPose, field: &FieldModel) -> ScaledHypothesis {
+    fn frames_at(percent: u32, pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
         let (_, turns) = turns(percent);
         let map = PitchMap::without_grid(field);
         let of_frame = |frame: usize| -> FramePaint {
@@ -502,8 +501,7 @@ mod tests {
             map.samples(1.0).filter_map(|line| shown(&line)).collect()
         };
         let paint = (0..turns.ptz.len()).map(of_frame).collect();
-        let hypothesis = Hypothesis { pose: *pose, field: 0, explained: 1.0, visible: 1.0 };
-        ScaledHypothesis { hypothesis, log_scale: (f64::from(percent) / 100.0).ln(), rotations: turns, paint }
+        FramesAtScale { log_scale: (f64::from(percent) / 100.0).ln(), rotations: turns, paint }
     }
 
     /// A soccer pitch whose size is not known, and one of its sizes.
@@ -530,7 +528,7 @@ mod tests {
     fn place_scale_crown_and_size_are_found_together_from_a_low_camera() {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(-12.0, -63.0, 7.5), Angle::from_degrees(4.0));
-        let hypothesis = hypothesis(&pose, &field);
+        let frames = frames(&pose, &field);
         for (shift_m, turn_deg, log_scale) in [
             (Vec3::zeros(), 0.0, 0.0),
             (Vec3::new(0.6, -0.9, 0.1), 0.3, 0.01),
@@ -538,7 +536,7 @@ mod tests {
         ] {
             let from = pose.moved(shift_m, Vec3::new(0.0, 0.0, f64::to_radians(turn_deg)));
             let start = PanoramaStart { pose: from, log_scale, field: &prior.assumed };
-            let found = fit_panorama(&hypothesis, &start, Some(&prior), &rotations()).unwrap();
+            let found = fit_panorama(&frames, &start, Some(&prior), &rotations()).unwrap();
             assert_near(&found, &pose, &field);
         }
     }
@@ -547,12 +545,12 @@ mod tests {
     fn paint_says_the_focal_scale_where_all_ties_are_put_off_together() {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(-5.0, -66.0, 14.0), Angle::from_degrees(2.0));
-        let hypothesis = hypothesis_at(135, &pose, &field);
+        let frames = frames_at(135, &pose, &field);
         let rotations = RotationsByFocalScale::new([88, 94, 100, 106, 113, 120, 127, 135, 143].map(turns));
         assert!(rotations.focal_scale_from_matches().sigma < 0.01, "they are sure of another scale");
-        let start = PanoramaStart { pose, log_scale: hypothesis.log_scale, field: &prior.assumed };
-        let found = fit_panorama(&hypothesis, &start, Some(&prior), &rotations).unwrap();
-        assert!((found.log_scale - hypothesis.log_scale).abs() < 5e-3, "{}", found.log_scale);
+        let start = PanoramaStart { pose, log_scale: frames.log_scale, field: &prior.assumed };
+        let found = fit_panorama(&frames, &start, Some(&prior), &rotations).unwrap();
+        assert!((found.log_scale - frames.log_scale).abs() < 5e-3, "{}", found.log_scale);
         assert!((found.pose.position_m - pose.position_m).norm() < 0.3, "{:?}", found.pose.position_m);
     }
 
@@ -560,9 +558,9 @@ mod tests {
     fn a_known_size_is_kept_and_one_that_is_wrong_explains_less() {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(20.0, -60.0, 9.0), Angle::from_degrees(-10.0));
-        let hypothesis = hypothesis(&pose, &field);
+        let frames = frames(&pose, &field);
         let on = |field: &FieldModel| {
-            fit_panorama(&hypothesis, &PanoramaStart { pose, log_scale: 0.0, field }, None, &rotations()).unwrap()
+            fit_panorama(&frames, &PanoramaStart { pose, log_scale: 0.0, field }, None, &rotations()).unwrap()
         };
         let known = on(&field);
         assert_near(&known, &pose, &field);
@@ -575,13 +573,13 @@ mod tests {
     fn paint_far_from_every_line_or_none_at_all_has_no_fit() {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(-12.0, -63.0, 7.5), Angle::from_degrees(4.0));
-        let mut hypothesis = hypothesis(&pose, &field);
+        let mut frames = frames(&pose, &field);
         let away = PanoramaPose { position_m: Vec3::new(-12.0, -400.0, 7.5), ..pose };
         let start_at = |pose: PanoramaPose| PanoramaStart { pose, log_scale: 0.0, field: &prior.assumed };
-        assert!(fit_panorama(&hypothesis, &start_at(away), Some(&prior), &rotations()).is_none());
-        hypothesis.paint.iter_mut().for_each(Vec::clear);
-        assert!(fit_panorama(&hypothesis, &start_at(pose), Some(&prior), &rotations()).is_none());
+        assert!(fit_panorama(&frames, &start_at(away), Some(&prior), &rotations()).is_none());
+        frames.paint.iter_mut().for_each(Vec::clear);
+        assert!(fit_panorama(&frames, &start_at(pose), Some(&prior), &rotations()).is_none());
         let start = PanoramaStart { pose, log_scale: 0.0, field: &field };
-        assert!(fit_panorama(&hypothesis, &start, None, &RotationsByFocalScale::new([])).is_none());
+        assert!(fit_panorama(&frames, &start, None, &RotationsByFocalScale::new([])).is_none());
     }
 }

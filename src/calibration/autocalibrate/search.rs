@@ -70,7 +70,7 @@ impl PaintedSphere {
 
 impl Panorama {
     /// `all` the directions of paint; as many are kept as a search needs.
-    pub fn of(all: &[Vec3], seen: SeenGround) -> Self {
+    pub fn new(all: &[Vec3], seen: SeenGround) -> Self {
         const KEPT: usize = 1500;
         const APART_DEG: f64 = 0.2;
         let mut taken = BTreeSet::new();
@@ -90,9 +90,9 @@ impl Panorama {
     }
 }
 
-/// A place with what speaks for it.
+/// A pose of the panorama, scored by the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Hypothesis {
+pub(super) struct ScoredPose {
     pub pose: PanoramaPose,
     /// Which of the fields.
     pub field: usize,
@@ -102,7 +102,7 @@ pub(super) struct Hypothesis {
     pub visible: f64,
 }
 
-impl Hypothesis {
+impl ScoredPose {
     pub fn score(&self) -> f64 {
         self.explained * self.visible
     }
@@ -163,22 +163,22 @@ const ASKED_FIRST: usize = 500;
 const PARTS: [(Range<usize>, usize); 3] = [(0..1, 3), (1..3, 4), (3..9, 1)];
 
 /// The best places on one of several fields, the most likely first.
-pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> {
-    let mut found: Vec<Hypothesis> =
+pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<ScoredPose> {
+    let mut found: Vec<ScoredPose> =
         maps.iter().enumerate().flat_map(|(field, map)| on_one_field(panorama, (field, map), maps.len())).collect();
     sort(&mut found);
-    let mut distinct: Vec<Hypothesis> = Vec::new();
-    for hypothesis in found {
-        let near = |other: &Hypothesis| (other.pose.position_m - hypothesis.pose.position_m).norm() < 3.0;
+    let mut distinct: Vec<ScoredPose> = Vec::new();
+    for scored_pose in found {
+        let near = |other: &ScoredPose| (other.pose.position_m - scored_pose.pose.position_m).norm() < 3.0;
         if !distinct.iter().any(near) {
-            distinct.push(hypothesis);
+            distinct.push(scored_pose);
         }
     }
     distinct
 }
 
 /// Places on one of `of` fields: together the fields are asked as little longer as that allows.
-fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<Hypothesis> {
+fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<ScoredPose> {
     let every = (panorama.directions.len() * of.div_ceil(2)).div_ceil(ASKED_FIRST).max(1);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
     let below = |ninths: &Range<usize>| -> Vec<BelowHorizon> {
@@ -214,32 +214,32 @@ fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize
             break;
         }
     }
-    let mut looked: Vec<Hypothesis> = chosen
+    let mut looked: Vec<ScoredPose> = chosen
         .par_iter()
         .map(|(position_m, heading)| {
             let pose = PanoramaPose::upright(*position_m, *heading);
             let explained = explained_roughly(&pose, &panorama.directions, map, 1.0);
-            Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 1.0, WIDE_DEG) }
+            ScoredPose { pose, field, explained, visible: visible(&pose, panorama, map, 1.0, WIDE_DEG) }
         })
         .collect();
     sort(&mut looked);
     looked.truncate(FITTED);
-    let fit = |hypothesis: &Hypothesis| {
-        let pose = climbed(hypothesis.pose, &few, panorama, map);
+    let fit = |scored_pose: &ScoredPose| {
+        let pose = climbed(scored_pose.pose, &few, panorama, map);
         score_pose(fit_pose(pose, &panorama.directions, map), panorama, (field, map))
     };
     looked.par_iter().map(fit).collect()
 }
 
-pub(super) fn sort(hypotheses: &mut [Hypothesis]) {
-    hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
+pub(super) fn sort(poses: &mut [ScoredPose]) {
+    poses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
 /// A line is seen where paint lies this near, degrees, from the usual height.
 const PAINTED_DEG: f64 = 0.3;
 
 /// What speaks for a fitted place.
-pub(super) fn score_pose(pose: PanoramaPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
+pub(super) fn score_pose(pose: PanoramaPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> ScoredPose {
     const WITHIN_DEG: f64 = 0.25;
     let within = angular_scale(pose.position_m.z) * WITHIN_DEG.to_radians();
     let explains = |direction: &&Vec3| {
@@ -248,7 +248,7 @@ pub(super) fn score_pose(pose: PanoramaPose, panorama: &Panorama, (field, map): 
     };
     let explained =
         panorama.directions.iter().filter(explains).count() as f64 / panorama.directions.len().max(1) as f64;
-    Hypothesis {
+    ScoredPose {
         pose,
         field,
         explained,

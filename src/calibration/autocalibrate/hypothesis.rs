@@ -1,0 +1,132 @@
+//! A hypothesis: a base for the camera with the frames around it, from the joint adjustment to the answer.
+//!
+//! The search scores poses by the hundred thousand, so it keeps them light ([`super::search::ScoredPose`]). The few that are adjusted
+//! with all frames become hypotheses. Each later stage takes a hypothesis and returns it refined: the size of the field
+//! (`candidates.rs`), the frames (`align.rs`), the base once more (`refine.rs`).
+
+use super::Doubt;
+use super::evidence::doubts_of;
+use super::evidence::measure_evidence;
+use super::field_prior::FieldPrior;
+use super::joint::{FrameObservations, JointStart, adjust_jointly};
+use super::matched_frames::{FramesAtScale, MatchedFrames};
+use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use std::sync::Arc;
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::Vec3;
+use touchline_vision::track::{Hold, filled};
+
+/// A base for the camera, and the frames around it. Frames are numbered as in [`MatchedFrames`].
+#[derive(Clone)]
+pub(super) struct Hypothesis {
+    /// The answer, as far as it is refined.
+    pub camera: UnclickedCamera,
+    /// Of each frame, by the paint of all frames; none for frames that show too little.
+    pub ptz: Vec<Option<Ptz>>,
+    /// What each frame's own paint says of its camera.
+    pub paint_priors: Vec<Hold>,
+    /// The frames at the focal scale where the search found the pose.
+    pub frames: Arc<FramesAtScale>,
+}
+
+impl Hypothesis {
+    /// Adjusts the base and all frames jointly to the paint, and measures the evidence for the result. None if too few frames show paint
+    /// near the lines.
+    pub fn adjust(
+        start: &JointStart,
+        size_prior: Option<&FieldPrior>,
+        frames: &Arc<FramesAtScale>,
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
+        let paint = &frames.paint;
+        let observed = FrameObservations { paint, matches: &matched.matches, image_size: matched.image_size };
+        let joint = adjust_jointly(start, size_prior, &observed)?;
+        let evidence = measure_evidence(&joint, paint, &matched.strokes);
+        let paint_priors = joint.paint_priors();
+        let placed =
+            matched.indices.iter().zip(&joint.ptz).filter_map(|(&index, ptz)| {
+                Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None })
+            });
+        let camera = UnclickedCamera {
+            base: joint.base,
+            field: joint.field,
+            sizes: joint.sizes,
+            frames: placed.collect(),
+            others: matched.others.clone(),
+            paint: Vec::new(),
+            evidence,
+        };
+        Some(Self { camera, ptz: joint.ptz, paint_priors, frames: Arc::clone(frames) })
+    }
+
+    /// How much of paint and lines belongs together, 0 to 1.
+    pub fn score(&self) -> f64 {
+        self.camera.evidence.score()
+    }
+
+    /// Where the camera stands, m.
+    pub const fn position_m(&self) -> Vec3 {
+        self.camera.base.position_m
+    }
+
+    /// What speaks against it, by its evidence.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        doubts_of(&self.camera.evidence, &self.camera.base)
+    }
+
+    /// The cameras of all frames: those without paint of their own are placed by their matches with the others. None if no frame
+    /// has a camera.
+    pub fn all_ptz(&self, matched: &MatchedFrames) -> Option<Vec<Ptz>> {
+        filled(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{base, frames_at_scale, hypothesis, matched, paint, ptz, soccer};
+    use super::*;
+
+    #[test]
+    fn base_and_frames_are_found_again_from_beside() {
+        let (field, matched) = (soccer().assumed, matched());
+        let mut start_base = base();
+        start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
+        let start = JointStart { field: field.clone(), base: start_base, ptz: ptz().into_iter().map(Some).collect() };
+        let found = Hypothesis::adjust(&start, None, &frames_at_scale(&field), &matched).unwrap();
+        let off_m = (found.position_m() - base().position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m");
+        let indices: Vec<usize> = found.camera.frames.iter().map(|frame| frame.index).collect();
+        assert_eq!(indices, matched.indices);
+        assert_eq!(found.paint_priors.len(), ptz().len());
+        assert!(found.camera.evidence.residual_px < 0.5, "{}", found.camera.evidence.residual_px);
+        assert!(found.camera.evidence.explained > 0.95, "{}", found.camera.evidence.explained);
+    }
+
+    #[test]
+    fn without_paint_there_is_no_hypothesis() {
+        let (field, matched) = (soccer().assumed, matched());
+        let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
+        bare.paint.iter_mut().for_each(Vec::clear);
+        let start = JointStart { field, base: base(), ptz: ptz().into_iter().map(Some).collect() };
+        assert!(Hypothesis::adjust(&start, None, &Arc::new(bare), &matched).is_none());
+    }
+
+    #[test]
+    fn the_fixture_shows_lines_in_every_frame() {
+        let field = soccer().assumed;
+        assert!(ptz().into_iter().all(|ptz| paint(&field, ptz).len() > 40));
+    }
+
+    #[test]
+    fn all_frames_have_a_camera_if_one_has() {
+        let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
+        hypothesis.ptz[1..].fill(None);
+        let all = hypothesis.all_ptz(&matched).unwrap();
+        for (found, truth) in all.iter().zip(ptz()) {
+            assert!((found.pan - truth.pan).degrees().abs() < 1e-6, "{found:?}");
+            assert!((found.focal_px - truth.focal_px).abs() < 1e-6, "{found:?}");
+        }
+        hypothesis.ptz[0] = None;
+        assert!(hypothesis.all_ptz(&matched).is_none());
+    }
+}

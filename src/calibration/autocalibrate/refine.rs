@@ -1,0 +1,114 @@
+//! Refines the base of a hypothesis with the paint of its frames' own pictures.
+//!
+//! The strokes from which the search found the base are coarse: they were found without knowing where to look. With a base, the
+//! painted lines are measured where it predicts them, as for a base that a person refines ([`estimate_on_paint`]).
+
+use super::align::prior_from_alignment;
+use super::error::Stop;
+use super::hypothesis::Hypothesis;
+use super::matched_frames::MatchedFrames;
+use super::progress::report;
+use super::sampled_frames::PictureOfFrame;
+use super::{UnclickedError, UnclickedProgress, WatchUnclicked};
+use crate::calibrate::{
+    BaseOnPaint, BaseOnPaintError, EstimatedBase, UnclickedCamera, covariance_on_paint, estimate_on_paint, record_found,
+};
+use std::collections::BTreeMap;
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::progress::Progress;
+use touchline_core::solve::base::BaseOptions;
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
+
+/// What is measured twice in the same pictures is known no better than this share of the difference.
+const SIGMA_OF_CHANGE: f64 = 0.5;
+
+/// The document whose camera is searched.
+#[derive(Clone, Copy)]
+pub(super) struct SearchedCamera<'a> {
+    pub document: DocumentAt<'a>,
+    pub camera: &'a CameraId,
+    /// Whether the size of the field is fitted as well.
+    pub is_size_unknown: bool,
+}
+
+/// Estimates the base of a hypothesis once more, from the paint of its frames' own pictures. None if that does not determine a base.
+///
+/// Where the field's size is open it is fitted, even if the assumed one explained the paint as well: this adjustment sees decimetres
+/// of it.
+///
+/// # Errors
+/// The search was stopped, or the field cannot be had.
+pub(super) fn refine_base(
+    hypothesis: &Hypothesis,
+    options: &BaseOptions,
+    searched: SearchedCamera<'_>,
+    matched: &MatchedFrames,
+    picture: PictureOfFrame<'_>,
+    watch: WatchUnclicked<'_>,
+) -> Result<Option<Hypothesis>, Stop> {
+    report(watch, UnclickedProgress::Refining)?;
+    let SearchedCamera { document, camera, is_size_unknown } = searched;
+    let mut bare = without_labels(&document, camera);
+    record_found(&mut bare, camera, &hypothesis.camera);
+
+    let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
+    let at = bare.at(document.folder);
+    let progress = Progress::new(|_| watch(UnclickedProgress::Refining));
+    let estimated = match estimate_on_paint(at, camera, options, is_size_unknown, &mut picture_of, &progress) {
+        Ok(BaseOnPaint { estimated, .. }) => estimated,
+        Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
+        Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
+    };
+
+    estimated.write_camera(&mut bare);
+    let field = bare.at(document.folder).model_of(bare.field_of_camera(camera)).map_err(UnclickedError::from)?;
+    let refined = with_base(hypothesis, estimated, matched);
+    Ok(Some(Hypothesis { camera: UnclickedCamera { field, ..refined.camera }, ..refined }))
+}
+
+/// A copy of a document in which nothing is known of a camera's frames: the search reads neither clicks nor cameras that were known
+/// before.
+fn without_labels(document: &Document, camera: &CameraId) -> Document {
+    let mut bare = document.clone();
+    for index in 0..bare.frames.len() {
+        if bare.frames[index].camera == *camera {
+            let frame = &mut bare.frames[index];
+            (frame.clicks, frame.ptz, frame.solution) = (Vec::new(), None, None);
+            frame.status = frame.undecided();
+        }
+    }
+    bare
+}
+
+/// A hypothesis with another base and the frames that were estimated with it; its field stays.
+fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &MatchedFrames) -> Hypothesis {
+    let EstimatedBase { frames, estimate, mut sizes, .. } = estimated;
+    let before = &hypothesis.camera;
+
+    // Both bases are measured in the same pictures: their difference is an error that neither σ has.
+    let mut base = estimate.base;
+    let change_m = base.position_m - before.base.position_m;
+    let error_m = base.sigma.following_position(SIGMA_OF_CHANGE * change_m);
+    base.sigma = base.sigma.covering(&(error_m * error_m.transpose()));
+    for (size, before) in sizes.iter_mut().zip(&before.sizes) {
+        size.assumed_m = before.assumed_m;
+        size.sigma_m = size.sigma_m.max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
+    }
+
+    // The strokes of a frame counted for little where they lay beside its lines; now it lies on its paint.
+    let fitted = frames.iter().zip(&estimate.frames);
+    let ptz_by_index: BTreeMap<usize, Ptz> =
+        fitted.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
+    let ptz: Vec<Option<Ptz>> = matched.indices.iter().map(|index| ptz_by_index.get(index).copied()).collect();
+    let paint_priors = ptz.iter().enumerate().filter_map(|(number, ptz)| {
+        let ptz = (*ptz)?;
+        let covariance = covariance_on_paint(&PtzCamera::new(estimate.base, ptz), matched.image_size);
+        prior_from_alignment(number, ptz, &covariance, matched.image_size)
+    });
+    Hypothesis {
+        paint_priors: paint_priors.collect(),
+        ptz,
+        camera: UnclickedCamera { base, sizes, ..before.clone() },
+        frames: hypothesis.frames.clone(),
+    }
+}

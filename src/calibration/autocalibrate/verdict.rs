@@ -1,0 +1,132 @@
+//! The last questions that a camera has to pass before it is the answer.
+//!
+//! The evidence of the joint adjustment ([`super::evidence`]) comes from the coarse paint by which the camera was found. Here each
+//! frame's own picture is asked, at full resolution: how many frames agree with it, whether a line is missing where the camera
+//! predicts it, and whether a click contradicts it.
+
+use super::clicked::GroundClick;
+use super::error::Stop;
+use super::evidence::missing_lines;
+use super::matched_frames::MatchedFrames;
+use super::{Abstention, Doubt};
+use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use touchline_core::camera::PtzCamera;
+use touchline_documents::document::Frames;
+use touchline_vision::paint::Strokes;
+
+/// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
+/// real and drawn matches, wrong ones .5 and less.
+pub(super) const MIN_ALIGNED: f64 = 0.75;
+
+/// This share has to agree before the base is refined, which brings a position that is nearly right to its lines.
+pub(super) const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
+
+/// With a runner-up that explains nearly as much, this share has to agree with the answer …
+pub(super) const MIN_ALIGNED_WITH_RUNNER_UP: f64 = 0.85;
+
+/// … and at most this one with the runner-up.
+const MAX_ALIGNED_OF_RUNNER_UP: f64 = 0.65;
+
+/// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
+const CONTRADICTING_PX: f64 = 25.0;
+
+/// No answer, for what speaks against the best one.
+pub(super) fn uncertain(doubts: Vec<Doubt>, best: UnclickedCamera) -> Stop {
+    Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into()
+}
+
+/// The share of the frames that agree with their own paint, of those that show enough of it.
+fn aligned_share(camera: &UnclickedCamera) -> f64 {
+    camera.snapped_count() as f64 / camera.evidence.frames.max(1) as f64
+}
+
+/// The doubt about a camera with which fewer than a share of its frames agree.
+pub(super) fn few_aligned(camera: &UnclickedCamera, min_share: f64) -> Option<Doubt> {
+    let (snapped, frames) = (camera.snapped_count(), camera.evidence.frames);
+    (aligned_share(camera) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
+}
+
+/// Whether the frames' own pictures contradict a runner-up.
+pub(super) fn is_refuted(runner_up: &UnclickedCamera) -> bool {
+    aligned_share(runner_up) <= MAX_ALIGNED_OF_RUNNER_UP
+}
+
+/// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
+/// be metres off.
+pub(super) fn open_size(camera: &UnclickedCamera) -> Option<Doubt> {
+    let open = camera.sizes.iter().find(|size| size.is_open)?;
+    Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
+}
+
+/// The lines of the field that a camera should show in its frames and does not, by name.
+pub(super) fn missing_in_frames(camera: &UnclickedCamera, matched: &MatchedFrames) -> Vec<String> {
+    let looking = |frame: &UnclickedFrame| -> Option<(PtzCamera, &Strokes)> {
+        let strokes = &matched.strokes[matched.number_of(frame.index)?];
+        Some((PtzCamera::new(camera.base, frame.ptz), strokes))
+    };
+    let frames: Vec<(PtzCamera, &Strokes)> = camera.frames.iter().filter_map(looking).collect();
+    missing_lines(&camera.field, &frames)
+}
+
+/// The doubt about a camera that one of some clicks contradicts. `clicks` number frames as the document does.
+pub(super) fn contradicting_click(camera: &UnclickedCamera, clicks: &[GroundClick], frames: &Frames) -> Option<Doubt> {
+    clicks.iter().find_map(|click| {
+        let found = camera.frames.iter().find(|frame| frame.index == click.frame)?;
+        let landmark = camera.field.landmark(click.landmark.as_str())?;
+        let at_m = camera.field.landmark_in_world(landmark);
+        let seen = PtzCamera::new(camera.base, found.ptz).image_from_world(at_m);
+        let off_px = seen.map_or(f64::INFINITY, |seen| seen.distance_px(click.image));
+        let frame = &frames[click.frame];
+        let max_px = CONTRADICTING_PX * frame.image_size.scale_from_1920();
+        let landmark = click.landmark.as_str().to_owned();
+        (off_px > max_px).then(|| Doubt::ClickContradicts { landmark, frame: frame.name(), off_px })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{hypothesis, matched, soccer};
+    use super::*;
+    use touchline_core::geometry::Vec3;
+    use touchline_core::solve::base::FittedSize;
+
+    #[test]
+    fn frames_that_are_not_aligned_are_counted() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        camera.evidence.frames = 7;
+        assert_eq!(few_aligned(&camera, MIN_ALIGNED), Some(Doubt::FewSnapped { snapped: 0, frames: 7 }));
+        assert_eq!(few_aligned(&camera, 0.0), None);
+        assert!(is_refuted(&camera));
+    }
+
+    #[test]
+    fn a_length_that_the_frames_do_not_show_is_a_doubt() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        assert_eq!(open_size(&camera), None);
+        let size = |name: &str, is_open: bool| FittedSize {
+            name: name.to_owned(),
+            assumed_m: 105.0,
+            value_m: 104.0,
+            sigma_m: 0.7,
+            position_sigma_m: Vec3::zeros(),
+            is_open,
+        };
+        camera.sizes = vec![size("length_m", false), size("width_m", true)];
+        let doubt = Doubt::SizeOpen { name: "width_m".to_owned(), value_m: 104.0, sigma_m: 0.7 };
+        assert_eq!(open_size(&camera), Some(doubt));
+    }
+
+    #[test]
+    fn nothing_is_missing_where_no_open_ground_is_seen() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        camera.frames.clear();
+        assert_eq!(missing_in_frames(&camera, &matched()), [""; 0]);
+    }
+
+    #[test]
+    fn lines_are_missing_in_pictures_of_bare_turf() {
+        let camera = hypothesis(&soccer().assumed).camera;
+        let missing = missing_in_frames(&camera, &matched());
+        assert!(missing.len() >= 5, "{missing:?}");
+    }
+}
