@@ -258,7 +258,7 @@ fn far_px(frame: &Frame) -> u32 {
 /// Where the frame's camera came from, if nobody clicked or typed it.
 fn proposed(frame: &Frame) -> Option<SolutionSource> {
     frame.ptz.as_ref()?;
-    frame.solution.as_ref()?.source.filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking))
+    frame.source().filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking))
 }
 
 #[cfg(test)]

@@ -39,8 +39,7 @@ pub fn camera_without_clicks(
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    let search = Search { document, camera, field_prior: &field_prior, by_clicks: false, watch };
-    search.run(look_at, picture)
+    Search { document, camera, field_prior, by_clicks: false, watch }.run(look_at, picture)
 }
 
 /// The same where a person has clicked two landmarks of the ground or more, in one frame or in several: they say where the camera
@@ -57,14 +56,13 @@ pub fn camera_from_few_clicks(
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    let search = Search { document, camera, field_prior: &field_prior, by_clicks: true, watch };
-    search.run(look_at, picture)
+    Search { document, camera, field_prior, by_clicks: true, watch }.run(look_at, picture)
 }
 
 struct Search<'a> {
     document: DocumentAt<'a>,
     camera: &'a CameraId,
-    field_prior: &'a FieldPrior,
+    field_prior: FieldPrior,
     /// Clicks say where the camera stands.
     by_clicks: bool,
     watch: WatchUnclicked<'a>,
@@ -95,7 +93,7 @@ impl Search<'_> {
         let sampled = self.sample(&indices, picture)?;
         let matched = MatchedFrames::from_sampled(&sampled, self.watch)?;
         let clicks = self.by_clicks.then(|| self.clicks_in_group(&matched));
-        let candidates = find_candidates(&matched, clicks.as_deref(), self.field_prior, self.watch)?;
+        let candidates = find_candidates(&matched, clicks.as_deref(), &self.field_prior, self.watch)?;
         let Choice { best, runner_up } = choose(candidates)?;
 
         // Missing lines are looked for once more in the refined camera: before, a line may lie just beside its paint.

@@ -94,7 +94,7 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
 /// Whether a frame's camera came from its picture and not from clicks, which are solved again, or from numbers that a person typed.
 fn follows_picture(frame: &Frame) -> bool {
     use SolutionSource::{Forest, Import, Markings, Tracking};
-    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    let source = frame.source();
     frame.ptz.is_some() && matches!(source, Some(Forest | Tracking | Markings | Import))
 }
 

@@ -38,7 +38,7 @@ fn covariance_by_clicks(frame: &Frame, camera: &PtzCamera, field: &FieldModel) -
 }
 
 fn floor(frame: &Frame, camera: &PtzCamera) -> Mat3 {
-    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    let source = frame.source();
     if source == Some(SolutionSource::Markings) {
         return covariance_on_paint(camera, frame.image_size);
     }

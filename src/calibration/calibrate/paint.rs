@@ -65,13 +65,24 @@ pub fn snap_frame(
     picture: &Picture,
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
+    snap_on_ground(document, frame, field, &ground, options)
+}
+
+/// [`snap_frame`] on a picture that is made ready.
+fn snap_on_ground(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    ground: &GroundPicture,
+    options: &SnapOptions,
+) -> Result<(CameraBase, Snapped), SnapFrameError> {
     let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
     if options.own_k1 && document.camera_of(frame).is_some_and(|camera| camera.curve().is_some()) {
         return Err(SnapFrameError::HasLens);
     }
     let clicks = observations(frame, field)?;
-    let ground = GroundPicture::new(picture, &document.masks_of(frame));
-    let snapped = snap(&ground, field, camera.base(), camera.ptz(), &clicks, options)?;
+    let snapped = snap(ground, field, camera.base(), camera.ptz(), &clicks, options)?;
     let distortion = snapped.own_lens.unwrap_or(camera.base().distortion);
     Ok((CameraBase { distortion, ..*camera.base() }, snapped))
 }
@@ -137,8 +148,9 @@ pub fn camera_on_paint(
         let (base, found) = find_frame(document, frame, field, picture, options, progress)?;
         Ok((base, found.snapped))
     } else {
-        let (base, snapped) = snap_frame(document, frame, field, picture, &options.snap)?;
-        let earlier = check_frame(document, frame, field, picture);
+        let ground = GroundPicture::new(picture, &document.masks_of(frame));
+        let (base, snapped) = snap_on_ground(document, frame, field, &ground, &options.snap)?;
+        let earlier = document.pointed(frame).map(|camera| check_lines(&ground, field, &camera));
         if earlier.is_some_and(|earlier| !may_replace(&earlier, &snapped.check)) {
             return Err(SnapFrameError::Worse.into());
         }

@@ -9,7 +9,7 @@ use touchline_vision::relocalize::{Label, Misfit};
 
 /// What is known of a reference's camera by its clicks; by what is stored of its own evidence where it was not solved from clicks.
 pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCamera) -> Label {
-    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    let source = frame.source();
     let by_clicks = || {
         let clicks = observations(frame, field?).ok()?;
         let used: Vec<Observation> = clicks.into_iter().filter(|click| !click.check).collect();

@@ -58,26 +58,29 @@ impl Frame {
         self.suggested_confidence().is_some_and(|confidence| confidence < HOLDS)
     }
 
+    /// Where its camera comes from, or what found none for it.
+    #[must_use]
+    pub fn source(&self) -> Option<SolutionSource> {
+        self.solution.as_ref()?.source
+    }
+
     /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set manually.
     #[must_use]
     pub fn is_suggestion(&self) -> bool {
-        let source = self.solution.as_ref().and_then(|solution| solution.source);
-        self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
+        self.ptz.is_some() && matches!(self.source(), Some(SolutionSource::Forest | SolutionSource::Tracking))
     }
 
     /// Whether its camera was carried to it from its neighbours in a clip.
     #[must_use]
     pub fn is_carried(&self) -> bool {
-        let source = self.solution.as_ref().and_then(|solution| solution.source);
-        self.ptz.is_some() && source == Some(SolutionSource::Tracking)
+        self.ptz.is_some() && self.source() == Some(SolutionSource::Tracking)
     }
 
     /// Whether the program gave it a camera by something else than a forest: no forest is asked for it where its answer would
     /// be one among others.
     #[must_use]
     pub fn is_answered_without_forest(&self) -> bool {
-        let source = self.solution.as_ref().and_then(|solution| solution.source);
-        self.ptz.is_some() && source != Some(SolutionSource::Forest)
+        self.ptz.is_some() && self.source() != Some(SolutionSource::Forest)
     }
 
     /// The first of its clicks that has no name.

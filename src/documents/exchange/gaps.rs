@@ -235,7 +235,7 @@ mod tests {
         assert!((ptz.focal_px - 2000.0 * 2.0_f64.powf(1.0 / 3.0)).abs() < 1e-9, "{ptz:?}");
         assert!((filled.frames[2].video.as_ref().unwrap().pts_s.unwrap() - 414.0 / 25.0).abs() < 1e-12);
         for (frame, is_filled) in filled.frames.iter().zip([false, false, true, true, false, false]) {
-            let source = frame.solution.as_ref().and_then(|solution| solution.source);
+            let source = frame.source();
             assert_eq!(source == Some(SolutionSource::Interpolated), is_filled);
         }
         assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 1).0.frames, gappy().frames);

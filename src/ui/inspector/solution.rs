@@ -56,7 +56,7 @@ fn source(app: &App, frame: &Frame) -> String {
     if shown.camera.is_none() && frame.ptz.is_none() {
         return String::new();
     }
-    match frame.solution.as_ref().and_then(|solution| solution.source) {
+    match frame.source() {
         Some(SolutionSource::Clicks) => from_points(frame),
         Some(SolutionSource::Manual) => "set manually".to_owned(),
         Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {

@@ -210,7 +210,7 @@ impl App {
 
 /// Whether a frame is being labelled by its clicks: what moves them moves its camera.
 fn is_by_clicks(frame: &Frame) -> bool {
-    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    let source = frame.source();
     !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
         && !matches!(source, Some(SolutionSource::Manual | SolutionSource::Markings))
 }

@@ -129,9 +129,5 @@ impl AnswerCache {
 
 /// Whether its camera was proposed by the forest.
 fn is_by_forest(frame: &Frame) -> bool {
-    source(frame) == Some(SolutionSource::Forest)
-}
-
-fn source(frame: &Frame) -> Option<SolutionSource> {
-    frame.solution.as_ref()?.source
+    frame.source() == Some(SolutionSource::Forest)
 }

@@ -48,7 +48,7 @@ fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> 
     let ptz = frame.ptz.as_ref()?.ptz();
     let camera = PtzCamera::new(*base, ptz);
     let covariance = own_covariance(frame, &camera, Some(field));
-    let by = match frame.solution.as_ref().and_then(|solution| solution.source) {
+    let by = match frame.source() {
         _ if is_persons(frame) => AnchorSource::Person,
         // Aligned to the painted lines, whoever found it.
         Some(SolutionSource::Markings) => AnchorSource::Paint,

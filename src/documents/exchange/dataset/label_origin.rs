@@ -37,7 +37,7 @@ impl LabelOrigin {
             return is_clicked.then_some(Self::ClicksOnly);
         }
         let accepted = frame.status == FrameStatus::Reference;
-        Some(match frame.solution.as_ref().and_then(|solution| solution.source) {
+        Some(match frame.source() {
             Some(SolutionSource::Markings) => Self::Snapped,
             Some(SolutionSource::Tracking) if accepted => Self::TrackedAccepted,
             Some(SolutionSource::Tracking) => Self::Tracked,
