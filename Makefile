@@ -4,13 +4,13 @@
 BUILD_PACKAGES = build-essential pkg-config clang libclang-dev libopencv-dev
 RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
                  libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
-# Videos for tests are made with it.
-TEST_PACKAGES  = ffmpeg
+# Reads videos; tests make them with it.
+VIDEO_PACKAGES = ffmpeg
 # File dialogs; without them paths are typed.
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check schema opencv bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -27,7 +27,7 @@ run: run-packages ## build and open the demo match (a copy of it in target/demo)
 	    echo "The demo's overlay is drawn into target/demo-overlay.png instead."; \
 	fi
 
-test: run-packages test-packages ## run every test; those that miss a part of the machine are ignored and say why
+test: run-packages ## run every test; those that miss a part of the machine are ignored and say why
 	@.ci/test
 
 test-formats: build-packages ## exports read by each consumer's own reader, each in a Python environment of its own
@@ -95,12 +95,13 @@ experiments-real: build-packages ## the same on real data, into tests/experiment
 	cd target/real/report && cp *.svg ../../../tests/experiments/real/
 	sed '/-sheet\.png/,+2d' target/real/report/README.md > tests/experiments/real/README.md
 
+opencv: ## build the small OpenCV into target/opencv and link it from then on, in place of the system's (any Linux, macOS)
+	@.ci/packages cmake ninja-build curl ca-certificates
+	@.ci/opencv
+
 build-packages:
 	@.ci/packages $(BUILD_PACKAGES)
 
-test-packages:
-	@.ci/packages --optional $(TEST_PACKAGES)
-
 run-packages: build-packages
 	@.ci/packages $(RUN_PACKAGES)
-	@.ci/packages --optional $(DIALOG_PACKAGES)
+	@.ci/packages --optional $(VIDEO_PACKAGES) $(DIALOG_PACKAGES)

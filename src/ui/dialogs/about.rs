@@ -8,7 +8,8 @@ use crate::ui::{
 use egui::{Button, Context, Label, RichText, vec2};
 use std::fmt::Write as _;
 use touchline_application::app::App;
-use touchline_vision::media::opencv_version;
+use touchline_vision::features::opencv_version;
+use touchline_vision::media::VideoBackend;
 
 const CITATION: &str = "J. Chen, F. Zhu and J. J. Little: A Two-point Method for PTZ Camera Calibration in Sports. IEEE \
                         Winter Conference on Applications of Computer Vision (WACV), 2018.";
@@ -48,8 +49,9 @@ fn report(app: &App, adapter: &str, ctx: &Context) -> String {
     let screen = ctx.content_rect().size();
     let adapter = if adapter.is_empty() { "none" } else { adapter };
     let opencv = opencv_version().unwrap_or_else(|| "not built in".to_owned());
+    let videos = VideoBackend::available().next().map_or_else(|| "none".to_owned(), |backend| backend.to_string());
     let mut text = format!(
-        "touchline {}\n{} {}\ngraphics {adapter}\nOpenCV {opencv}\nwindow {:.0} × {:.0} points at {} px each\n",
+        "touchline {}\n{} {}\ngraphics {adapter}\nOpenCV {opencv}\nvideos by {videos}\nwindow {:.0} × {:.0} points at {} px each\n",
         env!("CARGO_PKG_VERSION"),
         std::env::consts::OS,
         std::env::consts::ARCH,

@@ -82,6 +82,15 @@ fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
 ///
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].
+/// The version of the OpenCV that finds features; none in a program that was built without it.
+#[must_use]
+pub fn opencv_version() -> Option<String> {
+    #[cfg(feature = "opencv")]
+    return opencv::core::get_version_string().ok();
+    #[cfg(not(feature = "opencv"))]
+    return None;
+}
+
 #[cfg(not(feature = "opencv"))]
 pub fn extract(_picture: &Picture, _masks: &[PixelBox], _options: &FeatureOptions) -> Result<Features, FeatureError> {
     Err(FeatureError::WithoutOpenCv)

@@ -45,7 +45,7 @@ pub use cache::{FeatureCache, FeatureKey};
 pub(crate) use descriptor::Sketch;
 pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE};
 pub use error::FeatureError;
-pub use extract::extract;
+pub use extract::{extract, opencv_version};
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
 pub use reduced::{ReducedPicture, has_moved};

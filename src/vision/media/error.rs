@@ -95,14 +95,24 @@ pub enum MediaError {
         /// The largest area that is read, millions of px.
         max_megapixels: u64,
     },
-    /// The program was built without OpenCV.
+    /// Nothing on this machine reads videos.
     #[error(
-        "{}: a video, but this program was built without video support; build it with the feature `opencv`, or extract the frames to a folder",
+        "{}: a video, but the program ffmpeg that reads videos is not found; install ffmpeg and start again, or extract the frames to a folder",
         path.display()
     )]
     NoVideoSupport {
         /// The video.
         path: PathBuf,
+    },
+    /// What reads the video broke down in the middle.
+    #[error("{}: {reader} broke down while reading it ({reason}); open the video again", path.display())]
+    ReaderFailed {
+        /// The video.
+        path: PathBuf,
+        /// The program or library that reads it.
+        reader: String,
+        /// What happened.
+        reason: String,
     },
     /// No decoder takes it for a video.
     #[error("{}: not a video that can be read; convert it to MP4 (H.264)", path.display())]

@@ -41,4 +41,4 @@ pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
 pub use reader::{FrameReader, ReadFrames};
 pub use source::{FrameRef, FrameSource};
 pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
-pub use video::{CountProgress, FrameClock, Video, VideoInfo, opencv_version};
+pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};

@@ -213,9 +213,6 @@ impl App {
     }
 
     fn begin_shot_search(&mut self, video: String, path: PathBuf) {
-        if cfg!(not(feature = "opencv")) {
-            return;
-        }
         let num_below = self.open.as_ref().map_or(0, |open| open.history.num_done());
         self.start(ShotSearch { video, path, num_below });
     }

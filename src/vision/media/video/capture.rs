@@ -1,156 +1,117 @@
-//! The boundary to OpenCV's video reader.
+//! An open video as it is played: frame after frame with their times, and moved near a time.
 //!
-//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
-//! stated rate, so that they are wrong wherever the spacing is uneven: only time stamps are trusted here. The last few
-//! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. A frame that does
-//! not decode is reported as if it were the end; what follows comes all the same, beginning with remnants of earlier frames, whose times
-//! fall back. And a file it cannot read is no error, it is just not open.
+//! Two ways of reading a video keep this contract, each in a file of its own: the user's `ffmpeg` program, and OpenCV where it
+//! is built in with its video module. Numbering frames, jumping and surveying stand above it and know neither.
 
-use crate::media::picture::byte_count;
+use super::ffmpeg::{FfmpegCapture, Output, ffmpeg};
+#[cfg(feature = "opencv-videoio")]
+use super::opencv_capture::OpenCvCapture;
 use crate::media::{MediaError, Picture};
-use opencv::core::{Mat, Vec4b, Vector};
-use opencv::imgproc::{COLOR_BGR2RGBA, COLOR_GRAY2RGBA};
-use opencv::prelude::*;
-use opencv::videoio::{self, VideoCapture};
-use std::path::{Path, PathBuf};
+use std::fmt;
+use std::path::Path;
 use touchline_core::geometry::ImageSize;
 
-/// How many frames in a row may fail to decode before that is taken for the end.
-const MAX_FAILURES: usize = 100;
-
-/// An open video, standing at the frame that was grabbed last.
-pub(super) struct Capture {
-    inner: VideoCapture,
-    path: PathBuf,
-    /// Nothing has been grabbed since it was opened, and it has not been moved.
-    is_fresh: bool,
-    /// The time of the frame that was grabbed last, s, where it is known.
-    time_s: Option<f64>,
-    /// The latest time since the start or the last jump, s.
-    latest_s: f64,
-    bgr: Mat,
+/// A way of reading videos. All give the same frames under the same numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum VideoBackend {
+    /// The program `ffmpeg` of this machine.
+    Ffmpeg,
+    /// OpenCV's video module, where this program was built with it.
+    OpenCv,
 }
 
-impl Capture {
-    /// Opens a video through `FFmpeg`: the other readers of OpenCV print warnings and count differently.
-    pub(super) fn open(path: &Path) -> Result<Self, MediaError> {
-        Self::open_with(path, &[videoio::CAP_PROP_HW_ACCELERATION, videoio::VIDEO_ACCELERATION_NONE])
+impl VideoBackend {
+    /// Those that this machine and this program have, the preferred one first.
+    pub fn available() -> impl Iterator<Item = Self> {
+        let ffmpeg = ffmpeg().map(|_| Self::Ffmpeg);
+        ffmpeg.into_iter().chain(cfg!(feature = "opencv-videoio").then_some(Self::OpenCv))
     }
+}
 
-    /// Opens a video for counting its packets: [`Capture::grab`] then reads one without decoding it.
-    pub(super) fn open_packets(path: &Path) -> Result<Self, MediaError> {
-        Self::open_with(path, &[videoio::CAP_PROP_FORMAT, -1])
+impl fmt::Display for VideoBackend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ffmpeg => write!(f, "ffmpeg {}", ffmpeg().map_or("", |program| &program.version)),
+            Self::OpenCv => f.write_str("OpenCV"),
+        }
     }
+}
 
-    fn open_with(path: &Path, parameters: &[i32]) -> Result<Self, MediaError> {
-        // FFmpeg takes a name such as `a:b.mp4` for a protocol; an absolute path is always a path.
-        let absolute = std::path::absolute(path).map_err(|error| MediaError::from_io(path, &error))?;
-        let parameters = Vector::<i32>::from_slice(parameters);
-        let inner = VideoCapture::from_file_with_params(&absolute, videoio::CAP_FFMPEG, &parameters)
-            .ok()
-            .filter(|inner| inner.is_opened().unwrap_or(false))
-            .ok_or_else(|| MediaError::NotAVideo { path: path.to_path_buf() })?;
-        Ok(Self {
-            inner,
-            path: path.to_path_buf(),
-            is_fresh: true,
-            time_s: None,
-            latest_s: f64::NEG_INFINITY,
-            bgr: Mat::default(),
-        })
-    }
+/// What a container states about its video. Only its frames tell whether it is true.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StatedProperties {
+    /// The size of the frames as they are returned, px.
+    pub size: ImageSize,
+    /// By how much the stored frames are turned clockwise, degrees: 0, 90, 180 or 270.
+    pub rotation_deg: u32,
+    /// The rate, frames a second; 25 where the container states none.
+    pub fps: f64,
+    /// The number of frames; 0 where the container states none.
+    pub frames: usize,
+    /// The width of a pixel over its height; 1 where the container states none.
+    pub pixel_aspect: f64,
+}
 
-    /// Goes to the next frame that decodes, without converting it; false at the end. Remnants are passed over.
-    pub(super) fn grab(&mut self) -> bool {
-        (0..MAX_FAILURES).any(|_| self.inner.grab().unwrap_or(false) && self.note_time())
-    }
+/// An open video, standing at the frame that was grabbed last.
+pub(super) trait Capture: Send {
+    /// What the container states.
+    fn stated(&self) -> &StatedProperties;
 
-    /// Notes the time of the frame just grabbed; false when it falls back.
-    fn note_time(&mut self) -> bool {
-        let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
-        let is_known = time_ms.is_finite() && (time_ms != 0.0 || self.is_fresh);
-        self.is_fresh = false;
-        self.time_s = is_known.then_some(time_ms / 1000.0);
-        let is_new = self.time_s.is_none_or(|time_s| time_s > self.latest_s);
-        self.latest_s = self.time_s.map_or(self.latest_s, |time_s| time_s.max(self.latest_s));
-        is_new
-    }
+    /// Goes to the next frame that decodes; false at the end.
+    ///
+    /// # Errors
+    /// What reads the video broke down, so that this is not the end.
+    fn grab(&mut self) -> Result<bool, MediaError>;
 
-    /// The time stamp of the frame that was grabbed last, s from the stream's start; none when the reader does not
-    /// know it.
-    pub(super) const fn time_s(&self) -> Option<f64> {
-        self.time_s
-    }
+    /// The time stamp of the frame that was grabbed last, s from the stream's start; none where it is not known.
+    fn time_s(&self) -> Option<f64>;
 
     /// Moves so that the next [`Capture::grab`] gives a frame near a time; which one, its time stamp tells.
-    pub(super) fn jump_near(&mut self, time_s: f64) {
-        let number = (time_s * self.fps()).round().max(0.0);
-        // A refused move leaves the reader somewhere else, which the next time stamp shows.
-        let _ = self.inner.set(videoio::CAP_PROP_POS_FRAMES, number);
-        self.is_fresh = false;
-        self.latest_s = f64::NEG_INFINITY;
-    }
+    fn jump_near(&mut self, time_s: f64);
 
     /// The pixels of the frame that was grabbed last; `index` is its number, for the error.
-    pub(super) fn picture(&mut self, index: usize) -> Result<Picture, MediaError> {
-        match self.converted() {
-            Ok(Some(picture)) => Ok(picture),
-            Ok(None) => Err(self.damaged(index, "the decoder gave no picture")),
-            Err(error) => Err(self.damaged(index, &error.message)),
+    fn picture(&mut self, index: usize) -> Result<Picture, MediaError>;
+}
+
+/// Opens a video, before its first frame.
+pub(super) fn open_capture(path: &Path, backend: VideoBackend) -> Result<Box<dyn Capture>, MediaError> {
+    match backend {
+        VideoBackend::Ffmpeg => Ok(Box::new(FfmpegCapture::open(path, Output::Pictures)?)),
+        #[cfg(feature = "opencv-videoio")]
+        VideoBackend::OpenCv => Ok(Box::new(OpenCvCapture::open(path)?)),
+        #[cfg(not(feature = "opencv-videoio"))]
+        VideoBackend::OpenCv => Err(MediaError::NoVideoSupport { path: path.to_path_buf() }),
+    }
+}
+
+/// Opens a video for the times of its frames. It may have no pictures.
+pub(super) fn open_times(path: &Path, backend: VideoBackend) -> Result<Box<dyn Capture>, MediaError> {
+    match backend {
+        VideoBackend::Ffmpeg => Ok(Box::new(FfmpegCapture::open(path, Output::Times)?)),
+        VideoBackend::OpenCv => open_capture(path, backend),
+    }
+}
+
+/// The number of stored frames, decodable or not, read without decoding; none where they cannot be read so. `count` is called
+/// with the number so far and may end it.
+pub(super) fn count_packets(
+    path: &Path,
+    backend: VideoBackend,
+    count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
+) -> Result<Option<usize>, MediaError> {
+    match backend {
+        VideoBackend::Ffmpeg => super::ffmpeg::count_packets(path, count),
+        #[cfg(feature = "opencv-videoio")]
+        VideoBackend::OpenCv => {
+            let Ok(mut capture) = OpenCvCapture::open_packets(path) else { return Ok(None) };
+            let mut packets = 0;
+            while capture.grab()? {
+                packets += 1;
+                count(packets)?;
+            }
+            Ok(Some(packets))
         }
-    }
-
-    fn converted(&mut self) -> opencv::Result<Option<Picture>> {
-        if !self.inner.retrieve_def(&mut self.bgr)? || self.bgr.empty() {
-            return Ok(None);
-        }
-        let (rows, columns) = (self.bgr.rows(), self.bgr.cols());
-        let size = ImageSize::new(columns.unsigned_abs(), rows.unsigned_abs());
-        let Some(bytes) = byte_count(size) else { return Ok(None) };
-        let mut rgba = vec![0; bytes];
-        {
-            let code = if self.bgr.channels() == 1 { COLOR_GRAY2RGBA } else { COLOR_BGR2RGBA };
-            let mut target = Mat::new_rows_cols_with_bytes_mut::<Vec4b>(rows, columns, &mut rgba)?;
-            opencv::imgproc::cvt_color_def(&self.bgr, &mut target, code)?;
-        }
-        Ok(Picture::new(size, rgba).ok())
-    }
-
-    fn damaged(&self, index: usize, reason: &str) -> MediaError {
-        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
-        MediaError::DamagedFrame { path: self.path.clone(), index, reason }
-    }
-
-    /// The size of the frames as they are returned, px.
-    pub(super) fn size(&self) -> ImageSize {
-        let side = |id| self.property(id).max(0.0) as u32;
-        ImageSize::new(side(videoio::CAP_PROP_FRAME_WIDTH), side(videoio::CAP_PROP_FRAME_HEIGHT))
-    }
-
-    /// By how much the reader turns the stored frames clockwise, degrees.
-    pub(super) fn rotation_deg(&self) -> u32 {
-        (self.property(videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360) as u32
-    }
-
-    /// The stated rate, frames a second; 25 where the container states none.
-    pub(super) fn fps(&self) -> f64 {
-        let fps = self.property(videoio::CAP_PROP_FPS);
-        if fps.is_finite() && fps > 0.0 { fps } else { 25.0 }
-    }
-
-    /// The stated number of frames; 0 where the container states none.
-    pub(super) fn stated_frames(&self) -> usize {
-        let count = self.property(videoio::CAP_PROP_FRAME_COUNT);
-        if count.is_finite() && count > 0.0 { count as usize } else { 0 }
-    }
-
-    /// The width of a pixel over its height; 1 where the container states none.
-    pub(super) fn pixel_aspect(&self) -> f64 {
-        let (across, down) = (self.property(videoio::CAP_PROP_SAR_NUM), self.property(videoio::CAP_PROP_SAR_DEN));
-        if across > 0.0 && down > 0.0 { across / down } else { 1.0 }
-    }
-
-    fn property(&self, id: i32) -> f64 {
-        self.inner.get(id).unwrap_or(f64::NAN)
+        #[cfg(not(feature = "opencv-videoio"))]
+        VideoBackend::OpenCv => Ok(None),
     }
 }

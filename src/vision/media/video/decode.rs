@@ -1,5 +1,6 @@
 //! An open video and its frames by number.
 
+use super::capture::VideoBackend;
 use super::comb::first_field;
 use super::known::known_or;
 use super::player::Player;
@@ -33,8 +34,18 @@ impl Video {
     /// # Errors
     /// As [`Video::open`]; [`MediaError::Stopped`] when `watch` ended it.
     pub fn open_watched(path: &Path, watch: Watch) -> Result<Self, MediaError> {
-        let Survey { info, preroll, capture } = known_or(path, watch, |watch| survey(path, watch))?;
-        Ok(Self { player: Player { capture, position: None, preroll }, info })
+        let backend = VideoBackend::available().next();
+        let backend = backend.ok_or_else(|| MediaError::NoVideoSupport { path: path.to_path_buf() })?;
+        Self::open_with(path, backend, watch)
+    }
+
+    /// Opens a video as [`Video::open_watched`] does, by a backend of the caller's choice.
+    ///
+    /// # Errors
+    /// As [`Video::open_watched`]; [`MediaError::NoVideoSupport`] where the backend is not available.
+    pub fn open_with(path: &Path, backend: VideoBackend, watch: Watch) -> Result<Self, MediaError> {
+        let Survey { info, preroll, capture } = known_or(path, backend, watch, |watch| survey(path, backend, watch))?;
+        Ok(Self { player: Player { capture, backend, position: None, preroll }, info })
     }
 
     /// What is known about the video.

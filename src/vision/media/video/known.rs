@@ -1,7 +1,7 @@
 //! What was found out about the videos opened before: it holds for as long as their files do not change, and most videos
 //! are opened by several threads of one program.
 
-use super::capture::Capture;
+use super::capture::{VideoBackend, open_capture};
 use super::survey::Survey;
 use super::{CountProgress, VideoInfo, Watch};
 use crate::media::MediaError;
@@ -82,13 +82,15 @@ struct FileState {
     path: PathBuf,
     bytes: u64,
     modified: SystemTime,
+    /// What it is read with: another backend may know other times.
+    backend: VideoBackend,
 }
 
 impl FileState {
     /// None where the system does not tell.
-    fn of(path: &Path) -> Option<Self> {
+    fn of(path: &Path, backend: VideoBackend) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
-        Some(Self { path: path.to_path_buf(), bytes: metadata.len(), modified: metadata.modified().ok()? })
+        Some(Self { path: path.to_path_buf(), bytes: metadata.len(), modified: metadata.modified().ok()?, backend })
     }
 }
 
@@ -96,13 +98,14 @@ impl FileState {
 /// `watch` is called now and then, also while another thread surveys it, and may end that.
 pub(super) fn known_or(
     path: &Path,
+    backend: VideoBackend,
     watch: Watch,
     survey: impl FnOnce(Watch) -> Result<Survey, MediaError>,
 ) -> Result<Survey, MediaError> {
-    let Some(file) = FileState::of(path) else { return survey(watch) };
+    let Some(file) = FileState::of(path, backend) else { return survey(watch) };
     let examination = examination(file);
     if let Some((info, preroll)) = examination.found_or_begun(path, watch)? {
-        return Ok(Survey { info, preroll, capture: Capture::open(path)? });
+        return Ok(Survey { info, preroll, capture: open_capture(path, backend)? });
     }
     let mut begun = Begun { examination: &examination, found: None };
     let found = survey(&mut |counted| {

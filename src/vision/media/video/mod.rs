@@ -5,45 +5,27 @@
 //! same picture however it is reached. A damaged frame in the middle of a long video of even rate keeps its number and
 //! is an error when it is asked for.
 
-mod clock;
-
-#[cfg(feature = "opencv")]
 mod capture;
-#[cfg(feature = "opencv")]
+mod clock;
 mod comb;
-#[cfg(feature = "opencv")]
 mod decode;
-#[cfg(feature = "opencv")]
+mod ffmpeg;
 mod known;
-#[cfg(feature = "opencv")]
+#[cfg(feature = "opencv-videoio")]
+mod opencv_capture;
 mod player;
-#[cfg(feature = "opencv")]
 mod sample_table;
-#[cfg(feature = "opencv")]
 mod survey;
-#[cfg(not(feature = "opencv"))]
-mod without;
 
+pub use capture::VideoBackend;
 pub use clock::FrameClock;
-#[cfg(feature = "opencv")]
 pub use decode::Video;
-#[cfg(not(feature = "opencv"))]
-pub use without::Video;
 
 use super::Notice;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
-
-/// The version of the OpenCV that reads videos; none in a program that was built without it.
-#[must_use]
-pub fn opencv_version() -> Option<String> {
-    #[cfg(feature = "opencv")]
-    return opencv::core::get_version_string().ok();
-    #[cfg(not(feature = "opencv"))]
-    return None;
-}
 
 /// What is known about a video once it has been opened.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! A capture moved to a frame by its number: reading forward where that is near, jumping where it is far.
 
 use super::VideoInfo;
-use super::capture::Capture;
+use super::capture::{Capture, VideoBackend, open_capture};
 use crate::media::MediaError;
 
 /// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key frame before the
@@ -12,7 +12,9 @@ const OFF_BEAT_FRAMES: usize = 16;
 
 /// A capture and where it stands.
 pub(super) struct Player {
-    pub(super) capture: Capture,
+    pub(super) capture: Box<dyn Capture>,
+    /// What the video is opened with again.
+    pub(super) backend: VideoBackend,
     /// The number of the frame grabbed last; none where that is not known.
     pub(super) position: Option<usize>,
     /// How many frames before its target a jump begins, so that a key frame lies between.
@@ -48,12 +50,12 @@ impl Player {
         if self.position.is_none_or(|at| at > target || target - at > farthest) {
             self.jump_before(info, target)?;
         }
-        let mut landed = self.read_on_to(info, target);
+        let mut landed = self.read_on_to(info, target)?;
         if !matches!(landed, Landed::At(_)) {
             // After a jump in a video of uneven frame times, OpenCV takes the last frames for lying behind the stated
             // number of frames and holds them back. Played from the start they come.
             self.restart(info, target)?;
-            landed = self.read_on_to(info, target);
+            landed = self.read_on_to(info, target)?;
         }
         match landed {
             Landed::At(landed) if landed == target => Ok(()),
@@ -63,8 +65,8 @@ impl Player {
     }
 
     /// Jumps to a frame and says where that led: at or behind the frame, if to a frame at all.
-    pub(super) fn land_at(&mut self, info: &VideoInfo, target: usize) -> Landed {
-        let Some(target_s) = info.clock.pts_s(target) else { return Landed::End };
+    pub(super) fn land_at(&mut self, info: &VideoInfo, target: usize) -> Result<Landed, MediaError> {
+        let Some(target_s) = info.clock.pts_s(target) else { return Ok(Landed::End) };
         self.position = None;
         self.capture.jump_near(target_s);
         self.read_on_to(info, target)
@@ -75,35 +77,35 @@ impl Player {
     pub(super) fn read_to_the_end(
         &mut self,
         info: &VideoInfo,
-        mut look: impl FnMut(&mut Capture, usize),
-    ) -> Option<usize> {
+        mut look: impl FnMut(&mut dyn Capture, usize),
+    ) -> Result<Option<usize>, MediaError> {
         let mut last = self.position;
         loop {
-            match self.advance(info) {
+            match self.advance(info)? {
                 Advance::To(index) => {
-                    look(&mut self.capture, index);
+                    look(&mut *self.capture, index);
                     last = Some(index);
                 }
-                Advance::OffBeat => return None,
-                Advance::End => return last,
+                Advance::OffBeat => return Ok(None),
+                Advance::End => return Ok(last),
             }
         }
     }
 
     /// Reads on until `target` or a frame behind it.
-    fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Landed {
+    fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Result<Landed, MediaError> {
         let mut off_beat = 0;
         while off_beat < OFF_BEAT_FRAMES {
             if let Some(at) = self.position.filter(|&at| at >= target) {
-                return Landed::At(at);
+                return Ok(Landed::At(at));
             }
-            off_beat = match self.advance(info) {
+            off_beat = match self.advance(info)? {
                 Advance::To(_) => 0,
                 Advance::OffBeat => off_beat + 1,
-                Advance::End => return Landed::End,
+                Advance::End => return Ok(Landed::End),
             };
         }
-        Landed::OffBeat
+        Ok(Landed::OffBeat)
     }
 
     /// Jumps to a frame at or before `target`, farther back as long as the time stamps say that it came out behind,
@@ -114,7 +116,7 @@ impl Player {
             self.position = None;
             if let Some(start_s) = info.clock.pts_s(start) {
                 self.capture.jump_near(start_s);
-                if matches!(self.advance(info), Advance::To(landed) if landed <= target) {
+                if matches!(self.advance(info)?, Advance::To(landed) if landed <= target) {
                     return Ok(());
                 }
             }
@@ -125,9 +127,9 @@ impl Player {
 
     /// Opens the file again and goes to its first frame.
     fn restart(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
-        self.capture = Capture::open(&info.path)?;
+        self.capture = open_capture(&info.path, self.backend)?;
         self.position = None;
-        if self.capture.grab() {
+        if self.capture.grab()? {
             self.position = Some(0);
             Ok(())
         } else {
@@ -136,14 +138,14 @@ impl Player {
     }
 
     /// Grabs the next frame and finds its number: by its time, or by counting on where the reader does not know it.
-    fn advance(&mut self, info: &VideoInfo) -> Advance {
-        if !self.capture.grab() {
+    fn advance(&mut self, info: &VideoInfo) -> Result<Advance, MediaError> {
+        if !self.capture.grab()? {
             self.position = None;
-            return Advance::End;
+            return Ok(Advance::End);
         }
         let counted = self.position.map(|at| at + 1);
         self.position = self.capture.time_s().map_or(counted, |time_s| info.clock.index_at(time_s));
-        self.position.map_or(Advance::OffBeat, Advance::To)
+        Ok(self.position.map_or(Advance::OffBeat, Advance::To))
     }
 }
 

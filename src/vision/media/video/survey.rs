@@ -5,7 +5,7 @@
 //! because it states the average over all frames; of other files the packets are counted. Where that fails, an MP4's
 //! table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
 
-use super::capture::Capture;
+use super::capture::{Capture, VideoBackend, count_packets, open_capture, open_times};
 use super::comb::is_combed;
 use super::player::{Landed, Player};
 use super::sample_table::sample_times_s;
@@ -42,7 +42,7 @@ const ROUNDED_S: f64 = 6e-4;
 pub(super) struct Survey {
     pub(super) info: VideoInfo,
     pub(super) preroll: usize,
-    pub(super) capture: Capture,
+    pub(super) capture: Box<dyn Capture>,
 }
 
 /// How a container stores its frames, by the first bytes of the file.
@@ -57,29 +57,30 @@ enum Container {
 }
 
 /// Opens a video and finds out what there is to know.
-pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
+pub(super) fn survey(path: &Path, backend: VideoBackend, watch: Watch) -> Result<Survey, MediaError> {
     let container = container_of(path)?;
-    let mut capture = Capture::open(path)?;
-    let size = capture.size();
+    let mut capture = open_capture(path, backend)?;
+    let stated = *capture.stated();
+    let size = stated.size;
     ImageLimits::default().check(path, size.width, size.height)?;
     let preroll = if container == Container::Stream { PREROLL_FRAMES } else { 0 };
 
-    let lead = play_lead(&mut capture, if preroll > 0 { LONG_LEAD_FRAMES } else { LEAD_FRAMES })?;
+    let lead = play_lead(&mut *capture, if preroll > 0 { LONG_LEAD_FRAMES } else { LEAD_FRAMES })?;
     let Some(first_s) = lead.times_s.first().copied().map(|time_s| time_s.unwrap_or(0.0)) else {
         return Err(MediaError::NoFrames { path: path.to_path_buf() });
     };
     let mut info = VideoInfo {
         path: Arc::from(path),
         size: lead.size.unwrap_or(size),
-        rotation_deg: capture.rotation_deg(),
-        fps: capture.fps(),
-        stated_frames: capture.stated_frames(),
+        rotation_deg: stated.rotation_deg,
+        fps: stated.fps,
+        stated_frames: stated.frames,
         interlaced: false,
         decoded_frames: lead.times_s.len(),
-        clock: FrameClock::Even { first_s, fps: capture.fps() },
+        clock: FrameClock::Even { first_s, fps: stated.fps },
         notices: Vec::new(),
     };
-    let mut player = Player { capture, position: Some(lead.times_s.len() - 1), preroll };
+    let mut player = Player { capture, backend, position: Some(lead.times_s.len() - 1), preroll };
     let deviation_s = deviation_s(&info.clock, &lead.times_s);
     let at_the_start = lead.samples.iter().filter(|(_, picture)| may_be_interlaced(&info) && is_combed(picture));
     let mut combed = at_the_start.count();
@@ -92,18 +93,17 @@ pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
         let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
         // The rate that an MP4 states is the mean of all frames: it has to be that of the first ones exactly.
         let may_be_even = deviation_s <= if container == Container::Mp4 { EXACT_S } else { ROUNDED_S };
-        let counted = may_be_even.then(|| count_to_the_end(&mut player, &info, &mut combed)).flatten();
-        let is_sure =
-            counted.is_some() && (container == Container::Mp4 || count_packets(path, &mut counter)? == counted);
+        let counted = if may_be_even { count_to_the_end(&mut player, &info, &mut combed)? } else { None };
+        let is_sure = counted.is_some()
+            && (container == Container::Mp4
+                || count_packets(path, backend, &mut |count| counter.at(count))? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
         } else {
             let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
                 times_s.into_iter().map(Some).collect()
             } else {
-                let (times_s, capture) = play_through(path, &mut counter)?;
-                player = Player { capture, position: times_s.len().checked_sub(1), preroll };
-                times_s
+                play_through(path, backend, &mut counter)?
             };
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
@@ -117,7 +117,7 @@ pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
         player.preroll = usize::MAX;
         info.notices.push(Notice::NoJumping { path: path.to_path_buf() });
     }
-    add_notices(&mut info, player.capture.pixel_aspect());
+    add_notices(&mut info, stated.pixel_aspect);
     Ok(Survey { info, preroll: player.preroll, capture: player.capture })
 }
 
@@ -148,10 +148,10 @@ struct Lead {
     is_whole: bool,
 }
 
-fn play_lead(capture: &mut Capture, frames: usize) -> Result<Lead, MediaError> {
+fn play_lead(capture: &mut dyn Capture, frames: usize) -> Result<Lead, MediaError> {
     let mut lead = Lead { times_s: Vec::new(), samples: Vec::new(), size: None, is_whole: false };
     for index in 0..frames {
-        if !capture.grab() {
+        if !capture.grab()? {
             lead.is_whole = true;
             break;
         }
@@ -187,40 +187,37 @@ fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
 /// The number of frames, from the number of the last one: found by halving between where frames decode and where they
 /// do not, then by reading to the end. None when the times do not fit one rate. Adds to `combed` how many of the last
 /// frames are made of two fields.
-fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -> Option<usize> {
+fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -> Result<Option<usize>, MediaError> {
     // `good` decodes; `bad` does not, or is so near the end that its time is unknown.
     let mut good = info.decoded_frames - 1;
     let mut bad = info.stated_frames.max(good + 1);
     let mut probe = bad.saturating_sub(TAIL_FRAMES);
     while probe > good {
-        match player.land_at(info, probe) {
+        match player.land_at(info, probe)? {
             Landed::At(landed) => good = landed,
             Landed::End => bad = probe,
-            Landed::OffBeat => return None,
+            Landed::OffBeat => return Ok(None),
         }
         if bad.saturating_sub(good) <= 2 * TAIL_FRAMES {
             break;
         }
         probe = usize::midpoint(good, bad);
     }
-    player.go_to(info, good).ok()?;
-    let look = |capture: &mut Capture, index: usize| {
+    if player.go_to(info, good).is_err() {
+        return Ok(None);
+    }
+    let mut look = |capture: &mut dyn Capture, index: usize| {
         if may_be_interlaced(info) && index.is_multiple_of(TAIL_LOOK_FRAMES) {
             *combed += usize::from(capture.picture(index).is_ok_and(|picture| is_combed(&picture)));
         }
     };
-    player.read_to_the_end(info, look).map(|last| last + 1)
-}
-
-/// The number of stored frames, decodable or not, read without decoding; none when they cannot be read so.
-fn count_packets(path: &Path, counter: &mut Counter) -> Result<Option<usize>, MediaError> {
-    let Ok(mut capture) = Capture::open_packets(path) else { return Ok(None) };
-    let mut count = 0;
-    while capture.grab() {
-        count += 1;
-        counter.at(count)?;
-    }
-    Ok(Some(count))
+    let (first, read) = (good, &mut 0);
+    let last = player.read_to_the_end(info, |capture, index| {
+        *read += 1;
+        look(capture, index);
+    })?;
+    // Where a frame is missing between the last ones, as in a file that was cut off, those behind it are counted wrong.
+    Ok(last.filter(|&last| last - first == *read).map(|last| last + 1))
 }
 
 /// The times of an MP4's frames by its table of samples, s, where the frames at the start and those that are looked at
@@ -242,20 +239,20 @@ fn tabled(
         && times_s.len() > lead.times_s.len()
         && (1..=LOOKED_AT).all(|place| {
             let index = place * (times_s.len() - 1) / (LOOKED_AT + 1);
-            matches!(player.land_at(&listed, index), Landed::At(_))
+            matches!(player.land_at(&listed, index), Ok(Landed::At(_)))
         });
     Ok(agree.then_some(times_s))
 }
 
 /// The time of every frame, by playing them all.
-fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>, Capture), MediaError> {
-    let mut capture = Capture::open(path)?;
+fn play_through(path: &Path, backend: VideoBackend, counter: &mut Counter) -> Result<Vec<Option<f64>>, MediaError> {
+    let mut capture = open_times(path, backend)?;
     let mut times_s = Vec::new();
-    while capture.grab() {
+    while capture.grab()? {
         times_s.push(capture.time_s());
         counter.at(times_s.len())?;
     }
-    Ok((times_s, capture))
+    Ok(times_s)
 }
 
 /// Reports the progress of a count now and then.

@@ -1,0 +1,150 @@
+//! The boundary to OpenCV's video reader.
+//!
+//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
+//! stated rate, so that they are wrong wherever the spacing is uneven: only time stamps are trusted here. The last few
+//! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. A frame that does
+//! not decode is reported as if it were the end; what follows comes all the same, beginning with remnants of earlier frames, whose times
+//! fall back. And a file it cannot read is no error, it is just not open.
+
+use super::capture::{Capture, StatedProperties};
+use crate::media::picture::byte_count;
+use crate::media::{MediaError, Picture};
+use opencv::core::{Mat, Vec4b, Vector};
+use opencv::imgproc::{COLOR_BGR2RGBA, COLOR_GRAY2RGBA};
+use opencv::prelude::*;
+use opencv::videoio::{self, VideoCapture};
+use std::path::{Path, PathBuf};
+use touchline_core::geometry::ImageSize;
+
+/// How many frames in a row may fail to decode before that is taken for the end.
+const MAX_FAILURES: usize = 100;
+
+/// An open video, standing at the frame that was grabbed last.
+pub(super) struct OpenCvCapture {
+    inner: VideoCapture,
+    path: PathBuf,
+    /// Nothing has been grabbed since it was opened, and it has not been moved.
+    is_fresh: bool,
+    /// The time of the frame that was grabbed last, s, where it is known.
+    time_s: Option<f64>,
+    /// The latest time since the start or the last jump, s.
+    latest_s: f64,
+    bgr: Mat,
+    stated: StatedProperties,
+}
+
+impl OpenCvCapture {
+    /// Opens a video through `FFmpeg`: the other readers of OpenCV print warnings and count differently.
+    pub(super) fn open(path: &Path) -> Result<Self, MediaError> {
+        Self::open_with(path, &[videoio::CAP_PROP_HW_ACCELERATION, videoio::VIDEO_ACCELERATION_NONE])
+    }
+
+    /// Opens a video for counting its packets: [`Capture::grab`] then reads one without decoding it.
+    pub(super) fn open_packets(path: &Path) -> Result<Self, MediaError> {
+        Self::open_with(path, &[videoio::CAP_PROP_FORMAT, -1])
+    }
+
+    fn open_with(path: &Path, parameters: &[i32]) -> Result<Self, MediaError> {
+        // FFmpeg takes a name such as `a:b.mp4` for a protocol; an absolute path is always a path.
+        let absolute = std::path::absolute(path).map_err(|error| MediaError::from_io(path, &error))?;
+        let parameters = Vector::<i32>::from_slice(parameters);
+        let inner = VideoCapture::from_file_with_params(&absolute, videoio::CAP_FFMPEG, &parameters)
+            .ok()
+            .filter(|inner| inner.is_opened().unwrap_or(false))
+            .ok_or_else(|| MediaError::NotAVideo { path: path.to_path_buf() })?;
+        Ok(Self {
+            stated: stated_by(&inner),
+            inner,
+            path: path.to_path_buf(),
+            is_fresh: true,
+            time_s: None,
+            latest_s: f64::NEG_INFINITY,
+            bgr: Mat::default(),
+        })
+    }
+
+    /// Notes the time of the frame just grabbed; false when it falls back.
+    fn note_time(&mut self) -> bool {
+        let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
+        let is_known = time_ms.is_finite() && (time_ms != 0.0 || self.is_fresh);
+        self.is_fresh = false;
+        self.time_s = is_known.then_some(time_ms / 1000.0);
+        let is_new = self.time_s.is_none_or(|time_s| time_s > self.latest_s);
+        self.latest_s = self.time_s.map_or(self.latest_s, |time_s| time_s.max(self.latest_s));
+        is_new
+    }
+
+    fn converted(&mut self) -> opencv::Result<Option<Picture>> {
+        if !self.inner.retrieve_def(&mut self.bgr)? || self.bgr.empty() {
+            return Ok(None);
+        }
+        let (rows, columns) = (self.bgr.rows(), self.bgr.cols());
+        let size = ImageSize::new(columns.unsigned_abs(), rows.unsigned_abs());
+        let Some(bytes) = byte_count(size) else { return Ok(None) };
+        let mut rgba = vec![0; bytes];
+        {
+            let code = if self.bgr.channels() == 1 { COLOR_GRAY2RGBA } else { COLOR_BGR2RGBA };
+            let mut target = Mat::new_rows_cols_with_bytes_mut::<Vec4b>(rows, columns, &mut rgba)?;
+            opencv::imgproc::cvt_color_def(&self.bgr, &mut target, code)?;
+        }
+        Ok(Picture::new(size, rgba).ok())
+    }
+
+    fn damaged(&self, index: usize, reason: &str) -> MediaError {
+        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+        MediaError::DamagedFrame { path: self.path.clone(), index, reason }
+    }
+
+    fn property(&self, id: i32) -> f64 {
+        property(&self.inner, id)
+    }
+}
+
+impl Capture for OpenCvCapture {
+    fn stated(&self) -> &StatedProperties {
+        &self.stated
+    }
+
+    fn grab(&mut self) -> Result<bool, MediaError> {
+        Ok((0..MAX_FAILURES).any(|_| self.inner.grab().unwrap_or(false) && self.note_time()))
+    }
+
+    fn time_s(&self) -> Option<f64> {
+        self.time_s
+    }
+
+    fn jump_near(&mut self, time_s: f64) {
+        let number = (time_s * self.stated.fps).round().max(0.0);
+        // A refused move leaves the reader somewhere else, which the next time stamp shows.
+        let _ = self.inner.set(videoio::CAP_PROP_POS_FRAMES, number);
+        self.is_fresh = false;
+        self.latest_s = f64::NEG_INFINITY;
+    }
+
+    fn picture(&mut self, index: usize) -> Result<Picture, MediaError> {
+        match self.converted() {
+            Ok(Some(picture)) => Ok(picture),
+            Ok(None) => Err(self.damaged(index, "the decoder gave no picture")),
+            Err(error) => Err(self.damaged(index, &error.message)),
+        }
+    }
+}
+
+/// What the container states, by OpenCV's properties.
+fn stated_by(inner: &VideoCapture) -> StatedProperties {
+    let side = |id| property(inner, id).max(0.0) as u32;
+    let fps = property(inner, videoio::CAP_PROP_FPS);
+    let frames = property(inner, videoio::CAP_PROP_FRAME_COUNT);
+    let (across, down) = (property(inner, videoio::CAP_PROP_SAR_NUM), property(inner, videoio::CAP_PROP_SAR_DEN));
+    StatedProperties {
+        size: ImageSize::new(side(videoio::CAP_PROP_FRAME_WIDTH), side(videoio::CAP_PROP_FRAME_HEIGHT)),
+        rotation_deg: (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360) as u32,
+        fps: if fps.is_finite() && fps > 0.0 { fps } else { 25.0 },
+        frames: if frames.is_finite() && frames > 0.0 { frames as usize } else { 0 },
+        pixel_aspect: if across > 0.0 && down > 0.0 { across / down } else { 1.0 },
+    }
+}
+
+fn property(inner: &VideoCapture, id: i32) -> f64 {
+    inner.get(id).unwrap_or(f64::NAN)
+}
