@@ -23,11 +23,12 @@ use super::pitch_map::PitchMap;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::ScoredPose;
-use super::{UnclickedError, UnclickedProgress, WatchUnclicked};
+use super::{UnclickedError, UnclickedProgress};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::FieldModel;
+use touchline_core::progress::Progress;
 
 /// Hypotheses that are adjusted with all frames, at most.
 const MAX_REFINED: usize = 5;
@@ -57,14 +58,14 @@ pub(super) fn find_candidates(
     matched: &MatchedFrames,
     clicks: Option<&[GroundClick]>,
     field_prior: &FieldPrior,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, UnclickedProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
-    report(watch, UnclickedProgress::Gathering)?;
+    report(progress, UnclickedProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
     let PosesByFocalScale { poses, rotations } = match clicks {
-        None => search_poses(matched, &maps, watch)?,
-        Some(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, watch)?,
+        None => search_poses(matched, &maps, progress)?,
+        Some(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
 
     let panoramas = place_panoramas(&poses, &fields, field_prior, &rotations);
@@ -74,7 +75,7 @@ pub(super) fn find_candidates(
         .par_iter()
         .map(|panorama| {
             let done = num_done.load(Ordering::Relaxed);
-            report(watch, UnclickedProgress::Adjusting { done, of: panoramas.len() })?;
+            report(progress, UnclickedProgress::Adjusting { done, of: panoramas.len() })?;
             let hypothesis = adjust_with_and_without_size(panorama, &rotations, field_prior, matched);
             num_done.fetch_add(1, Ordering::Relaxed);
             Ok(hypothesis)
@@ -87,7 +88,7 @@ pub(super) fn find_candidates(
     if field_prior.is_size_unknown() {
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
-            report(watch, UnclickedProgress::Sizing { done, of })?;
+            report(progress, UnclickedProgress::Sizing { done, of })?;
             try_neighbouring_sizes(hypothesis, field_prior, matched);
         }
         sort_best_first(&mut hypotheses);

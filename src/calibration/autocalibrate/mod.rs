@@ -84,5 +84,5 @@ pub use answer::{DecidingLandmark, UnclickedAnswer};
 pub use camera::{camera_from_few_clicks, camera_without_clicks};
 pub use doubt::Doubt;
 pub use error::{Abstention, UnclickedError};
-pub use progress::{UnclickedProgress, WatchUnclicked};
+pub use progress::UnclickedProgress;
 pub use sampled_frames::PictureOfFrame;

@@ -2,8 +2,8 @@
 
 use super::UnclickedError;
 use std::fmt;
-use std::ops::ControlFlow;
 use touchline_core::geometry::thousands;
+use touchline_core::progress::Progress;
 
 /// How far the search has come. It displays itself: "tying 212 of 480 pairs".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,15 +58,15 @@ pub enum UnclickedProgress {
     Refining,
 }
 
-/// Told how far a search has come; may end it.
-pub type WatchUnclicked<'a> = &'a (dyn Fn(UnclickedProgress) -> ControlFlow<()> + Sync);
-
-/// Reports progress.
+/// Reports how far a search has come.
 ///
 /// # Errors
 /// [`UnclickedError::Stopped`] if the receiver ends the search.
-pub(super) fn report(watch: WatchUnclicked<'_>, progress: UnclickedProgress) -> Result<(), UnclickedError> {
-    if watch(progress).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) }
+pub(super) fn report(
+    progress: &Progress<'_, UnclickedProgress>,
+    step: UnclickedProgress,
+) -> Result<(), UnclickedError> {
+    if progress.report(step).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) }
 }
 
 impl UnclickedProgress {

@@ -9,7 +9,7 @@ use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
 use super::sampled_frames::PictureOfFrame;
-use super::{UnclickedError, UnclickedProgress, WatchUnclicked};
+use super::{UnclickedError, UnclickedProgress};
 use crate::calibrate::{
     BaseOnPaint, BaseOnPaintError, EstimatedBase, UnclickedCamera, covariance_on_paint, estimate_on_paint, record_found,
 };
@@ -44,19 +44,19 @@ pub(super) fn refine_base(
     searched: SearchedCamera<'_>,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, UnclickedProgress>,
 ) -> Result<Option<Hypothesis>, Stop> {
-    report(watch, UnclickedProgress::Refining)?;
+    report(progress, UnclickedProgress::Refining)?;
     let SearchedCamera { document, camera, is_size_unknown } = searched;
     let mut bare = without_labels(&document, camera);
     record_found(&mut bare, camera, &hypothesis.camera);
 
     let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
     let at = bare.at(document.folder);
-    let progress = Progress::new(|_| watch(UnclickedProgress::Refining));
-    let estimated = match estimate_on_paint(at, camera, options, is_size_unknown, &mut picture_of, &progress) {
+    let estimating = progress.part(|_| UnclickedProgress::Refining);
+    let estimated = match estimate_on_paint(at, camera, options, is_size_unknown, &mut picture_of, &estimating) {
         Ok(BaseOnPaint { estimated, .. }) => estimated,
-        Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
+        Err(_) if progress.report(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
         Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
     };
 

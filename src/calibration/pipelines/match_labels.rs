@@ -11,7 +11,7 @@ use super::forest_labels::{
 use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
-    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked,
+    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedError, UnclickedProgress,
     camera_from_few_clicks, camera_without_clicks,
 };
 use crate::calibrate::{UnclickedCamera, clips, record_found};
@@ -139,17 +139,17 @@ pub enum LabelMatchError {
 /// search; without them, or where they lead nowhere, it is found by the paint alone.
 ///
 /// # Errors
-/// The field is not valid, features cannot be found, or `watch` ended it.
+/// The field is not valid, features cannot be found, or `progress` cancelled it.
 pub fn find_camera(
     at: DocumentAt<'_>,
     camera: &CameraId,
     sampled_frames: usize,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, UnclickedProgress>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
-    let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, watch)?;
+    let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, progress)?;
     if matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
-        camera_without_clicks(at, camera, sampled_frames, picture, watch)
+        camera_without_clicks(at, camera, sampled_frames, picture, progress)
     } else {
         Ok(by_clicks)
     }
@@ -212,8 +212,8 @@ impl Labelling<'_> {
                 }
             }
         };
-        let watch = |progress| (self.watch)(MatchEvent::Searching(progress));
-        Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &watch)? {
+        let progress = Progress::new(|progress| (self.watch)(MatchEvent::Searching(progress)));
+        Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &progress)? {
             UnclickedAnswer::Found(found) => Ok(*found),
             UnclickedAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
             UnclickedAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),

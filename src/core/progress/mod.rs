@@ -8,6 +8,15 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// A step of a function that does the same thing for a number of parts: how many are done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Parts that are done.
+    pub done: usize,
+    /// All parts.
+    pub of: usize,
+}
+
 /// Receives the steps of a long function, from any thread, and may cancel it.
 pub struct Progress<'a, S> {
     receive: Box<dyn Fn(S) -> ControlFlow<()> + Sync + 'a>,

@@ -153,9 +153,8 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     let mut reader = FrameReader::new();
     let document = labelled.document.clone();
     let mut picture = |frame: usize| read_picture(&mut reader, &document.frames[frame], clip.folder()).ok();
-    let answer = camera_without_clicks(document.at(clip.folder()), &camera, LOOK_AT, &mut picture, &|_| {
-        ControlFlow::Continue(())
-    });
+    let at = document.at(clip.folder());
+    let answer = camera_without_clicks(at, &camera, LOOK_AT, &mut picture, &Progress::default());
     match answer.map_err(|error| wrong(clip, &error))? {
         UnclickedAnswer::Found(found) => {
             record_found(&mut labelled.document, &camera, &found);

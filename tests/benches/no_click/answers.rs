@@ -1,7 +1,6 @@
 //! What was answered, held against the truth.
 
 use std::fmt;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 use touchline::autocalibrate::{Abstention, UnclickedAnswer, camera_from_few_clicks, camera_without_clicks};
@@ -11,6 +10,7 @@ use touchline::document::{Click, Document};
 use touchline::field::{FieldModel, Landmark};
 use touchline::geometry::{ImagePoint, Vec3};
 use touchline::media::FrameReader;
+use touchline::progress::Progress;
 use touchline::proposals::read_picture;
 
 /// Every answered frame's overlay is at most so far off at the worst place of the ground that it shows, px of the picture.
@@ -71,10 +71,10 @@ pub fn answer(document: &Document, folder: &Path, way: Way) -> (UnclickedAnswer,
     let mut reader = FrameReader::new();
     let mut picture = |index: usize| read_picture(&mut reader, &document.frames[index], folder).ok();
     let camera = &document.cameras[0].id;
-    let watch = |_| ControlFlow::Continue(());
+    let progress = Progress::default();
     let answer = match way {
-        Way::WithoutClicks => camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch),
-        Way::FewClicks => camera_from_few_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch),
+        Way::WithoutClicks => camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &progress),
+        Way::FewClicks => camera_from_few_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &progress),
     };
     let answer = answer.unwrap();
     (answer, start.elapsed().as_secs_f64())

@@ -93,8 +93,8 @@ impl Operation for CameraSearch {
         let mut reader = context.open_reader();
         let mut picture = |index: usize| read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok();
         let at = self.document.at(&self.folder);
-        let watch = |progress| context.report(progress);
-        find_camera(at, &self.camera, MatchOptions::default().sampled_frames, &mut picture, &watch)
+        let sampled_frames = MatchOptions::default().sampled_frames;
+        find_camera(at, &self.camera, sampled_frames, &mut picture, &context.progress())
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
