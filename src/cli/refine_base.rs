@@ -198,7 +198,7 @@ fn carry_few(
     }
     if is_any {
         // All cameras at once: each clip is carried by whatever is known of it.
-        track_and_report(document, folder, None, &TrackingOptions::default(), &|| false, messages)?;
+        track_and_report(document, folder, None, &TrackingOptions::default(), None, messages)?;
     }
     Ok(())
 }

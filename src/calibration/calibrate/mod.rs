@@ -49,8 +49,8 @@ pub use check::{
 };
 pub(crate) use clip::record_tracked_frame;
 pub use clip::{
-    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
-    TrackedClip, TrackedFrame, WatchClip, clip_of_frame, clips, is_anchor, record_tracked, track_clip,
+    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference, TrackClipError,
+    TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor, record_tracked, track_clip,
 };
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub use follow_base::follow_all_bases;

@@ -42,7 +42,7 @@ impl Default for MatchOptions {
 }
 
 /// What happens while a match is labelled.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub enum MatchEvent<'a> {
     /// The search for a camera has come so far.
     Searching(UnclickedProgress),
@@ -78,7 +78,7 @@ pub enum MatchEvent<'a> {
         of: usize,
     },
     /// The other frames of a video are tracked.
-    Tracking(TrackingEvent<'a>),
+    Tracking(TrackingEvent),
 }
 
 /// Receives what happens, from any thread. A break ends the search, the learning, the asking or the tracking.
@@ -257,8 +257,8 @@ impl Labelling<'_> {
         }
         let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
         let clips = clips(self.document.at(self.folder), None);
-        let mut watch = |event: TrackingEvent<'_>| (self.watch)(MatchEvent::Tracking(event));
-        track_clips(self.document, self.folder, &clips, self.reader, &options, &mut Vec::new(), &mut watch)?;
+        let progress = Progress::new(|event| (self.watch)(MatchEvent::Tracking(event)));
+        track_clips(self.document, self.folder, &clips, self.reader, &options, &mut Vec::new(), &progress)?;
         Ok(())
     }
 

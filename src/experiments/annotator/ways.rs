@@ -134,8 +134,7 @@ fn carry(clip: &DrawnClip, labelled: &mut Labelled, evidence: &mut ClipEvidence)
     let (mut reader, options) = (FrameReader::new(), TrackClipOptions::default());
     let at = labelled.document.at(clip.folder());
     let Some(frames) = clips(at, None).into_iter().next() else { return Ok(()) };
-    let tracked =
-        track_clip(at, &frames, &clip.field, &mut reader, &options, evidence, &mut |_| ControlFlow::Continue(()));
+    let tracked = track_clip(at, &frames, &clip.field, &mut reader, &options, evidence, &Progress::default());
     let tracked = tracked.map_err(|error| wrong(clip, &error))?;
     record_tracked(&mut labelled.document, &tracked);
     Ok(())

@@ -40,25 +40,25 @@ pub(super) trait Backend {
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
-    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where the watch, which
-    /// receives the number done, ended it.
+    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where `progress`,
+    /// which receives the number done, cancelled it.
     fn propose(
         &mut self,
         document: &Document,
         frames: &[usize],
         forest: (&ForestModel, u64),
         snapping: bool,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Vec<Proposal>;
 
-    /// Carries cameras through a window of a video, after a forest's answers; none where the watch, which receives the number of
-    /// pictures done, ended it.
+    /// Carries cameras through a window of a video, after a forest's answers; none where `progress`, which receives the number
+    /// of pictures done, cancelled it.
     fn carry(
         &mut self,
         document: &Document,
         window: &KeyWindow,
         generation: u64,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>>;
 
     /// The accuracy of a forest of these training frames, and which of them contradict others; none where the watch ended it.
@@ -151,7 +151,7 @@ impl Backend for ForestBackend {
         frames: &[usize],
         (model, generation): (&ForestModel, u64),
         snapping: bool,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
         let forest = ForestRequest { model, generation, options: self.relocalizing.clone() };
@@ -160,7 +160,7 @@ impl Backend for ForestBackend {
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {
-            if watch(made.len()).is_break() {
+            if progress.report(made.len()).is_break() {
                 break;
             }
             let evidence = evidence.as_ref();
@@ -176,21 +176,21 @@ impl Backend for ForestBackend {
         document: &Document,
         window: &KeyWindow,
         generation: u64,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>> {
         let at = document.at(&self.folder);
         let first = window.keys.first().and_then(|place| document.frames.get(*place));
         // A field that is not valid is named where the document is opened.
         let Some((first, fields)) = first.zip(Fields::of(at).ok()) else { return Some(Vec::new()) };
         let pictures = window.clip.frames.len();
-        let mut told = |progress| match progress {
-            ClipProgress::Following(done, _) => watch(done / 2),
-            ClipProgress::Painting(done, of) => watch(pictures / 2 + pictures * done / (2 * of.max(1))),
-            ClipProgress::Adjusting => watch(pictures / 2),
-        };
+        let of_clip = progress.part(|step| match step {
+            ClipProgress::Following(done, _) => done / 2,
+            ClipProgress::Painting(done, of) => pictures / 2 + pictures * done / (2 * of.max(1)),
+            ClipProgress::Adjusting => pictures / 2,
+        });
         let (field, options) = (fields.of_frame(document, first), TrackClipOptions::default());
         let mut evidence = ClipEvidence::default();
-        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &mut told) {
+        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &of_clip) {
             Ok(clip) => {
                 let carried = clip.frames.iter();
                 Some(carried.filter_map(|tracked| CarriedProposal::of(document, &clip, tracked, generation)).collect())

@@ -114,12 +114,12 @@ impl Backend for StandIn {
         frames: &[usize],
         (_, generation): (&ForestModel, u64),
         _: bool,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
         match self.begin(Begun::Propose(frames.to_vec())) {
             Let::Panic => panic!("the forest burns"),
             Let::Stopped => {
-                until_stopped(&|| watch(0));
+                until_stopped(&|| progress.report(0));
                 Vec::new()
             }
             Let::Well | Let::Fail => {
@@ -133,7 +133,7 @@ impl Backend for StandIn {
         document: &Document,
         window: &KeyWindow,
         generation: u64,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>> {
         match self.begin(Begun::Carry(window.keys.clone())) {
             Let::Well => {
@@ -143,7 +143,7 @@ impl Backend for StandIn {
             Let::Fail => Some(Vec::new()),
             Let::Panic => panic!("the rope snapped"),
             Let::Stopped => {
-                until_stopped(&|| watch(0));
+                until_stopped(&|| progress.report(0));
                 None
             }
         }

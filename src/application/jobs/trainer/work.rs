@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
     AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
 };
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, FrameId};
 use touchline_vision::relocalize::{CameraForest, ForestModel};
 
@@ -313,11 +314,11 @@ impl<C: Backend> Work<C> {
         let between = if queue.rest.is_empty() { queue.between.len() } else { 0 };
         let of = done + frames.len() + queue.first.len() + queue.rest.len() + between;
         let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
-        let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
         let (document, asked) = (&self.document, self.asking());
         let Asking { generation, snapping } = asked;
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
+            let asking = Progress::new(|more| watch.tell(Doing::Proposing(Share { done: done + more, of })));
             backend.propose(document, frames, (&model, generation), snapping, &asking)
         }));
         let proposals = proposed.unwrap_or_else(|panic| {
@@ -364,8 +365,8 @@ impl<C: Backend> Work<C> {
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.carried;
         let share = |done: usize| Share { done: before + done.min(window.between.len()), of: before + waiting };
-        let tell = |done| watch.tell(Doing::Carrying(share(done)));
-        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &tell)));
+        let carrying = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
+        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &carrying)));
         let carried = match carried {
             // What was ended is begun again.
             Ok(None) => return,

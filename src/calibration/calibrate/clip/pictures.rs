@@ -3,12 +3,12 @@
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
 use super::frames::ClipFrames;
-use super::options::{ClipProgress, WatchClip};
+use super::options::ClipProgress;
 use super::paint::{MaskedPicture, Painted};
-use std::ops::ControlFlow;
 use touchline_core::camera::Ptz;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_core::progress::Progress;
 use touchline_documents::document::DocumentAt;
 use touchline_vision::media::{Picture, ReadFrames};
 use touchline_vision::track::{ClipCamera, FollowOptions, PointFollower, PointTracks, TrackError};
@@ -53,7 +53,7 @@ impl ClipPictures<'_> {
         reader: &mut dyn ReadFrames,
         options: FollowOptions,
         evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
         let pictures =
             FollowedPictures { sources: self.clip.frames.iter().map(|frame| frame.source.clone()).collect(), options };
@@ -61,7 +61,7 @@ impl ClipPictures<'_> {
         if let Some(tracks) = evidence.tracks(&pictures, &masks) {
             return Ok(tracks);
         }
-        let tracks = self.follow_afresh(reader, options, &masks, watch)?;
+        let tracks = self.follow_afresh(reader, options, &masks, progress)?;
         evidence.begin(pictures, masks, tracks.clone());
         Ok(tracks)
     }
@@ -72,13 +72,13 @@ impl ClipPictures<'_> {
         reader: &mut dyn ReadFrames,
         options: FollowOptions,
         masks: &[Vec<PixelBox>],
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
         let count = self.clip.frames.len();
         let mut follower = PointFollower::new(self.size, options);
         let mut next = (count > 0).then(|| self.read(reader, 0)).transpose()?;
         for (frame, masks) in masks.iter().enumerate() {
-            go_on(watch(ClipProgress::Following(frame, count)))?;
+            report(progress, ClipProgress::Following(frame, count))?;
             let Some(picture) = next.take() else { break };
             let mut ended: Result<usize, TrackError> = Ok(0);
             let read = rayon::in_place_scope(|scope| {
@@ -98,11 +98,11 @@ impl ClipPictures<'_> {
         (field, camera): (&FieldModel, &ClipCamera),
         asked: &[(usize, Ptz)],
         evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
         let mut found = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
-            go_on(watch(ClipProgress::Painting(done, asked.len())))?;
+            report(progress, ClipProgress::Painting(done, asked.len()))?;
             let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
                 says
             } else {
@@ -117,7 +117,10 @@ impl ClipPictures<'_> {
     }
 }
 
-/// An error where whoever watches wants it to end.
-pub(super) fn go_on(flow: ControlFlow<()>) -> Result<(), TrackClipError> {
-    if flow.is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
+/// Reports how far a clip has come.
+///
+/// # Errors
+/// [`TrackClipError::Stopped`] if the receiver ends the tracking.
+pub(super) fn report(progress: &Progress<'_, ClipProgress>, step: ClipProgress) -> Result<(), TrackClipError> {
+    if progress.report(step).is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
 }
