@@ -32,7 +32,7 @@ impl MatchReport {
     }
 
     /// Says what happened.
-    pub fn hear(&self, event: MatchEvent<'_>) {
+    pub fn hear(&self, event: MatchEvent) {
         let messages = self.messages;
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
@@ -41,17 +41,17 @@ impl MatchReport {
                 bar.set_message(progress.to_string());
                 bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
             }
-            MatchEvent::Unreadable(frame, error) => messages.frame_failed(&frame.name(), &error.to_string()),
+            MatchEvent::Unreadable { frame, error } => messages.frame_failed(&frame, &error.to_string()),
             MatchEvent::Found { camera, found, separate_frames } => {
                 shown.clear();
                 if let Some(count) = separate_frames {
                     messages.note(&format!("{count} frames are of another camera, {camera}:"));
                 }
-                describe_found(found, messages);
+                describe_found(&found, messages);
             }
             MatchEvent::OtherNotFound { document, camera, why, separate_frames } => {
                 shown.clear();
-                let why = describe_no_camera(document, why);
+                let why = describe_no_camera(&document, &why);
                 messages.note(&format!("{separate_frames} frames are of another camera, {camera}: {why}"));
             }
             MatchEvent::Learning(LearningProgress::Features { done, of }) => {
