@@ -50,6 +50,12 @@ impl<'a, S> Progress<'a, S> {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
+    /// A progress with the same receiver for another run of the function, which begins uncancelled even if this one was cancelled.
+    #[must_use]
+    pub fn renew(&self) -> Progress<'_, S> {
+        Progress::new(|step| (self.receive)(step))
+    }
+
     /// The progress of a part of the function. Each step of the part becomes one of the whole; both are cancelled together.
     #[must_use]
     pub fn part<'p, P>(&'p self, step_of_whole: impl Fn(P) -> S + Sync + 'p) -> Progress<'p, P> {
@@ -92,6 +98,18 @@ mod tests {
         assert!(whole.is_cancelled() && second.check().is_break());
         assert!(second.report(3).is_break(), "a later step is received, but does not revive the function");
         assert_eq!(*received.lock().unwrap(), [10, 20, 300]);
+    }
+
+    #[test]
+    fn another_run_begins_uncancelled() {
+        let patience = AtomicBool::new(false);
+        let first = Progress::new(|()| {
+            if patience.load(Ordering::Relaxed) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        assert!(first.report(()).is_break());
+        patience.store(true, Ordering::Relaxed);
+        assert!(first.check().is_break());
+        assert!(first.renew().report(()).is_continue());
     }
 
     #[test]

@@ -108,12 +108,13 @@ impl ForestBackend {
     pub(super) fn new(file: &Path, mailbox: Arc<TrainerMailbox>, pictures: SharedPictures) -> Self {
         let place = WorkFolder::beside(file);
         // Counting the frames of a long video is given up when the document is closed.
-        let counting = move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
+        let counting =
+            Progress::new(move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue));
         Self {
             folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
             store: FeatureStore::on_disk(&place),
             place,
-            reader: SharedReader::new(Box::new(FrameReader::watched(Box::new(counting))), pictures),
+            reader: SharedReader::new(Box::new(FrameReader::with_progress(counting)), pictures),
             options: LearnOptions::default(),
             relocalizing: RelocalizeOptions::default(),
             forest_refused: None,

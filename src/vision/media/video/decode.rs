@@ -4,10 +4,10 @@ use super::comb::first_field;
 use super::known::known_or;
 use super::player::Player;
 use super::survey::{Survey, survey};
-use super::{VideoInfo, Watch};
+use super::{CountProgress, VideoInfo};
 use crate::media::{MediaError, Picture};
-use std::ops::ControlFlow;
 use std::path::Path;
+use touchline_core::progress::Progress;
 
 /// An open video. It stands at one place at a time: one for each thread.
 pub struct Video {
@@ -24,16 +24,16 @@ impl Video {
     /// # Errors
     /// The file cannot be read, is no video, none of its frames decodes, or they are too large.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
-        Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
+        Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens a video as [`Video::open`] does; where all frames are visited, `watch` is called now and then with how far
-    /// that has come, and may end it.
+    /// Opens a video as [`Video::open`] does; where all frames are visited, `progress` hears now and then how far that
+    /// has come, and may cancel it.
     ///
     /// # Errors
-    /// As [`Video::open`]; [`MediaError::Stopped`] when `watch` ended it.
-    pub fn open_watched(path: &Path, watch: Watch) -> Result<Self, MediaError> {
-        let Survey { info, preroll, capture } = known_or(path, watch, |watch| survey(path, watch))?;
+    /// As [`Video::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
+    pub fn open_with_progress(path: &Path, progress: &Progress<'_, CountProgress>) -> Result<Self, MediaError> {
+        let Survey { info, preroll, capture } = known_or(path, progress, |progress| survey(path, progress))?;
         Ok(Self { player: Player { capture, position: None, preroll }, info })
     }
 

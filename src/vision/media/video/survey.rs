@@ -9,7 +9,7 @@ use super::capture::Capture;
 use super::comb::is_combed;
 use super::player::{Landed, Player};
 use super::sample_table::sample_times_s;
-use super::{CountProgress, FrameClock, VideoInfo, Watch};
+use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::image_file::ImageLimits;
 use crate::media::{MediaError, Notice, Picture};
@@ -18,6 +18,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
+use touchline_core::progress::Progress;
 
 /// How many frames at the start are played to see their spacing and to compare jumps with them.
 const LEAD_FRAMES: usize = 32;
@@ -57,7 +58,7 @@ enum Container {
 }
 
 /// Opens a video and finds out what there is to know.
-pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
+pub(super) fn survey(path: &Path, progress: &Progress<'_, CountProgress>) -> Result<Survey, MediaError> {
     let container = container_of(path)?;
     let mut capture = Capture::open(path)?;
     let size = capture.size();
@@ -89,19 +90,18 @@ pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
             info.clock = listed(&lead.times_s, first_s, info.fps);
         }
     } else {
-        let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
+        let counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, progress };
         // The rate that an MP4 states is the mean of all frames: it has to be that of the first ones exactly.
         let may_be_even = deviation_s <= if container == Container::Mp4 { EXACT_S } else { ROUNDED_S };
         let counted = may_be_even.then(|| count_to_the_end(&mut player, &info, &mut combed)).flatten();
-        let is_sure =
-            counted.is_some() && (container == Container::Mp4 || count_packets(path, &mut counter)? == counted);
+        let is_sure = counted.is_some() && (container == Container::Mp4 || count_packets(path, &counter)? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
         } else {
             let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
                 times_s.into_iter().map(Some).collect()
             } else {
-                let (times_s, capture) = play_through(path, &mut counter)?;
+                let (times_s, capture) = play_through(path, &counter)?;
                 player = Player { capture, position: times_s.len().checked_sub(1), preroll };
                 times_s
             };
@@ -213,7 +213,7 @@ fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -
 }
 
 /// The number of stored frames, decodable or not, read without decoding; none when they cannot be read so.
-fn count_packets(path: &Path, counter: &mut Counter) -> Result<Option<usize>, MediaError> {
+fn count_packets(path: &Path, counter: &Counter<'_>) -> Result<Option<usize>, MediaError> {
     let Ok(mut capture) = Capture::open_packets(path) else { return Ok(None) };
     let mut count = 0;
     while capture.grab() {
@@ -248,7 +248,7 @@ fn tabled(
 }
 
 /// The time of every frame, by playing them all.
-fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>, Capture), MediaError> {
+fn play_through(path: &Path, counter: &Counter<'_>) -> Result<(Vec<Option<f64>>, Capture), MediaError> {
     let mut capture = Capture::open(path)?;
     let mut times_s = Vec::new();
     while capture.grab() {
@@ -262,16 +262,16 @@ fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>,
 struct Counter<'a> {
     path: Arc<Path>,
     stated: usize,
-    watch: Watch<'a>,
+    progress: &'a Progress<'a, CountProgress>,
 }
 
 impl Counter<'_> {
-    fn at(&mut self, counted: usize) -> Result<(), MediaError> {
+    fn at(&self, counted: usize) -> Result<(), MediaError> {
         if !counted.is_multiple_of(COUNT_REPORT_FRAMES) {
             return Ok(());
         }
-        let progress = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
-        match (self.watch)(progress) {
+        let step = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
+        match self.progress.report(step) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(MediaError::Stopped { path: self.path.to_path_buf() }),
         }

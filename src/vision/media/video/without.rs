@@ -1,10 +1,11 @@
 //! The same interface without OpenCV: opening a video is an error.
 
-use super::{VideoInfo, Watch};
+use super::{CountProgress, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::{MediaError, Picture};
 use std::convert::Infallible;
 use std::path::Path;
+use touchline_core::progress::Progress;
 
 /// A video; without the feature `opencv` there is none.
 #[derive(Debug)]
@@ -26,7 +27,7 @@ impl Video {
     ///
     /// # Errors
     /// As [`Video::open`].
-    pub fn open_watched(path: &Path, _watch: Watch) -> Result<Self, MediaError> {
+    pub fn open_with_progress(path: &Path, _progress: &Progress<'_, CountProgress>) -> Result<Self, MediaError> {
         Self::open(path)
     }
 
