@@ -84,7 +84,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     ensure!(!source.is_empty(), "{} holds no image", args.frames.display());
     let folder = std::path::absolute(&args.output)?;
     let new_folder = NewFolder::make(&folder)?;
-    let made = document_from_frames(&source, &folder, field, NonZeroUsize::MIN, &|| {});
+    let made = document_from_frames(&source, &folder, field, NonZeroUsize::MIN, &Progress::default());
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());
     }

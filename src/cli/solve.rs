@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use std::path::Path;
 use touchline_calibration::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
 use touchline_calibration::proposals::read_picture;
@@ -34,7 +34,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
         messages.note(&noise.describe());
     }
     let bar = messages.progress(document.frames.len(), "Solving");
-    let outcomes = solve_document(&mut document, location.folder(), &|| bar.inc(1))?;
+    let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
     let count = |wanted: fn(&SolveOutcome) -> bool| outcomes.iter().filter(|outcome| wanted(outcome)).count();
     let solved = count(|outcome| matches!(outcome, SolveOutcome::Solved));

@@ -316,7 +316,7 @@ fn pixels_that_are_not_square_are_said() {
 /// The cuts of a video, as the window looks for them.
 fn cuts(path: &Path) -> FoundShots {
     let search = ShotSearch { video: "match.mp4".to_owned(), path: path.to_path_buf(), num_below: 0 };
-    search.look(&mut FrameReader::new(), &mut |_| ControlFlow::Continue(())).unwrap()
+    search.look(&mut FrameReader::new(), &Progress::default()).unwrap()
 }
 
 fn the_cuts_of_a_video_are_found() {

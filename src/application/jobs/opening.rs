@@ -52,13 +52,14 @@ pub fn open_anything(path: &Path, held: Option<&Location>, progress: &Progress<'
     let read = AtomicUsize::new(0);
     let mut refused = None;
     for folder in project_folders(&path) {
-        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &|| {
+        let reading = Progress::new(|()| {
             let read = read.fetch_add(1, Ordering::Relaxed) + 1;
             if read.is_multiple_of(REPORT_EVERY) {
-                // Stopping is looked at when all are read: hashing a folder takes seconds.
-                let _ = progress.report(format!("Reading frames: {read} of {}…", source.len()));
+                return progress.report(format!("Reading frames: {read} of {}…", source.len()));
             }
+            progress.check()
         });
+        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &reading);
         if progress.report("Writing the project…".to_owned()).is_break() {
             return Err(MediaError::Stopped { path }.into());
         }
@@ -216,7 +217,8 @@ mod tests {
         let old = old_place(&projects, &red);
         assert_eq!(old, old_place(&projects, &blue));
         let source = FrameSource::open(&red).unwrap();
-        let made = document_from_frames(&source, &old, FieldSpec::new(DEFAULT_FIELD), NonZeroUsize::MIN, &|| {});
+        let made =
+            document_from_frames(&source, &old, FieldSpec::new(DEFAULT_FIELD), NonZeroUsize::MIN, &Progress::default());
         write_project(&old, &made.document).unwrap();
         assert!(is_of_frames(&old, &red) && !is_of_frames(&old, &blue));
     }

@@ -100,7 +100,7 @@ fn is_solved_for(document: &Document, index: usize, height: f64) -> bool {
         camera.set_base(&base(height));
         camera.into()
     };
-    touchline_calibration::calibrate::solve_document(&mut alone, "/match".as_ref(), &|| ()).unwrap();
+    touchline_calibration::calibrate::solve_document(&mut alone, "/match".as_ref(), &Progress::default()).unwrap();
     let [known, wanted] = [frame, &alone.frames[0]].map(|frame| frame.ptz.as_ref().unwrap().ptz());
     (known.tilt - wanted.tilt).abs().degrees() < 1e-6 && (known.focal_px - wanted.focal_px).abs() < 1e-3
 }

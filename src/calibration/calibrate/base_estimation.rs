@@ -3,10 +3,9 @@
 use super::base_readiness::LANDMARKS_ALONE;
 use super::field_size::set_field_size;
 use super::on_paint::OnPaint;
-use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, solve_frames};
+use super::solve_frames::{ShownFields, is_by_clicks, solve_frames};
 use super::{CalibrationError, observations};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
@@ -290,19 +289,19 @@ impl EstimatedBase {
         let before = document.clone();
         self.write_camera(document);
         let places: Vec<usize> = (0..document.frames.len()).collect();
-        self.write_frames(document, &before, folder, &places, &|| ControlFlow::Continue(()))
+        Ok(self.write_frames(document, &before, folder, &places, &Progress::default())?)
     }
 
     /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the base already, `before` is without
-    /// it. Where `watch` ends it, frames have changed: the document is to be dropped.
-    pub(super) fn write_frames<E: Send + From<FieldError>>(
+    /// it. Where `progress` cancels this, frames have changed: the document is to be dropped.
+    pub(super) fn write_frames(
         &self,
         document: &mut Document,
         before: &Document,
         folder: &Path,
         places: &[usize],
-        watch: WatchFrames<'_, E>,
-    ) -> Result<(), E> {
+        progress: &Progress<'_, ()>,
+    ) -> Result<(), FieldError> {
         let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
         let field = document.at(folder).model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let before = before.camera(&self.camera).and_then(Camera::base);
@@ -323,7 +322,9 @@ impl EstimatedBase {
                 clicked.push(index);
             }
         }
-        solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, watch)?;
+        if solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, progress).is_none() {
+            return Ok(());
+        }
         if let Some(on_paint) = &self.on_paint {
             on_paint.write_frames(document, places);
         }

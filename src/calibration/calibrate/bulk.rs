@@ -5,10 +5,9 @@
 //! they are then, but for what the change means for each of them.
 
 use super::follow_base::follow_bases;
-use super::solve_frames::{WatchFrames, is_by_clicks, solve_by_clicks};
+use super::solve_frames::{is_by_clicks, solve_by_clicks};
 use super::which_camera::{add_camera_like, assign_frames, check_assigned};
 use super::{AssignError, EstimatedBase, FoundCamera};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -124,10 +123,7 @@ impl BulkSolve {
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
-        let counting = || match progress.report(BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of }) {
-            ControlFlow::Continue(()) => ControlFlow::Continue(()),
-            ControlFlow::Break(()) => ControlFlow::Break(BulkError::Stopped),
-        };
+        let counting = progress.part(|()| BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
         let withdrawn = self.change.make_in_frames(&mut after, &self.document, &self.folder, &places, &counting)?;
         // Counted here, so that joining need not touch every frame.
         after.count_edits_since(&self.document);
@@ -171,8 +167,8 @@ impl BulkSolved {
         }
         let concerned = self.work.change.places(now);
         let again: Vec<usize> = edited.into_iter().filter(|index| concerned.binary_search(index).is_ok()).collect();
-        let go_on = || ControlFlow::Continue(());
-        let withdrawn = self.work.change.make_in_frames(&mut document, now, &self.work.folder, &again, &go_on)?;
+        let (change, folder) = (&self.work.change, &self.work.folder);
+        let withdrawn = change.make_in_frames(&mut document, now, folder, &again, &Progress::default())?;
         Ok(Some(Joined { document, withdrawn: self.withdrawn + withdrawn }))
     }
 }
@@ -249,21 +245,22 @@ impl BulkChange {
         before: &Document,
         folder: &Path,
         places: &[usize],
-        watch: WatchFrames<'_, BulkError>,
+        progress: &Progress<'_, ()>,
     ) -> Result<usize, BulkError> {
         if places.is_empty() {
             return Ok(0);
         }
         match self {
-            Self::Numbers(_) | Self::Unclicked(_) => solve_by_clicks(document, folder, places, watch)?,
-            Self::Base(found) => found.write_frames(document, before, folder, places, watch)?,
+            Self::Numbers(_) | Self::Unclicked(_) => solve_by_clicks(document, folder, places, progress)?,
+            Self::Base(found) => found.write_frames(document, before, folder, places, progress)?,
             Self::Assign(given) => {
                 let fields = Fields::of(document.at(folder))?;
                 check_assigned(document, places, &given.camera)?;
-                assign_frames(document, places, &given.camera, &fields, watch)?;
+                assign_frames(document, places, &given.camera, &fields, progress);
             }
         }
-        follow_bases(document, before, places, watch)
+        let withdrawn = follow_bases(document, before, places, progress);
+        if progress.is_cancelled() { Err(BulkError::Stopped) } else { Ok(withdrawn) }
     }
 }
 

@@ -45,7 +45,7 @@ impl Clicked {
         let camera = clicked.cameras[0].id.clone();
         let problem = BaseProblem::of(clicked.at(&folder), &camera).unwrap();
         problem.estimate(&clicked, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut clicked);
-        solve_document(&mut clicked, &folder, &|| ()).unwrap();
+        solve_document(&mut clicked, &folder, &Progress::default()).unwrap();
         if let Some(clip) = clip {
             clicked.frames.retain(|frame| frame.clip.as_ref() == Some(clip));
         }

@@ -3,8 +3,9 @@
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::session::Level;
 use crate::app::{App, Command, Effect};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
 use touchline_vision::media::{FrameReader, FrameRef, MediaError};
 use touchline_vision::track::{CutFinder, Miniature};
@@ -76,16 +77,17 @@ impl Operation for ShotSearch {
     const NAME: &'static str = "shots";
 
     fn run(&self, context: &Context<'_, ShotProgress>) -> Result<FoundShots, MediaError> {
-        let mut percent = None;
-        // Each frame is read once, so that nothing would come of sharing them with the window.
-        self.look(&mut FrameReader::new(), &mut |progress| {
+        let percent = AtomicUsize::new(usize::MAX);
+        let progress = Progress::new(|progress: ShotProgress| {
             context.give_way_to_window();
             // The window shows whole percents and is painted after each report: a long match has thousands of frames a percent.
-            if percent.replace(progress.percent()) == Some(progress.percent()) {
+            if percent.swap(progress.percent(), Ordering::Relaxed) == progress.percent() {
                 return context.check();
             }
             context.report(progress)
-        })
+        });
+        // Each frame is read once, so that nothing would come of sharing them with the window.
+        self.look(&mut FrameReader::new(), &progress)
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -109,20 +111,20 @@ impl Operation for ShotSearch {
 }
 
 impl ShotSearch {
-    /// Looks at every frame of the video. `watch` hears before each how far that has come, and may end it: [`MediaError::Stopped`].
+    /// Looks at every frame of the video. `progress` hears before each how far that has come.
     ///
     /// # Errors
-    /// The video cannot be opened, or `watch` ended the search.
+    /// The video cannot be opened, or `progress` cancelled the search: [`MediaError::Stopped`].
     pub fn look(
         &self,
         reader: &mut FrameReader,
-        watch: &mut dyn FnMut(ShotProgress) -> ControlFlow<()>,
+        progress: &Progress<'_, ShotProgress>,
     ) -> Result<FoundShots, MediaError> {
         let of = reader.video_info(&self.path)?.decoded_frames;
         let mut finder = CutFinder::default();
         let mut last: Option<Miniature> = None;
         for done in 0..of {
-            if watch(ShotProgress { done, of }).is_break() {
+            if progress.report(ShotProgress { done, of }).is_break() {
                 return Err(MediaError::Stopped { path: self.path.clone() });
             }
             // A frame that does not decode shows nothing new.

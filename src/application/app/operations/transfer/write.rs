@@ -7,6 +7,7 @@ use crate::app::{App, sentence};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_core::geometry::counted;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
     DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, export, folder_for_new,
@@ -91,8 +92,8 @@ impl Operation for TransferWrite {
                     None => Arc::new(plan_dataset(at, options)?),
                 };
                 let (to, mut reader) = (folder_for_new(to, "dataset"), context.open_reader());
-                let watch = &mut |done, of| context.report(PicturesWritten { done, of });
-                let done = write_dataset(at, &plan, options, &mut *reader, &to, *replace, watch)?;
+                let progress = Progress::new(|Share { done, of }| context.report(PicturesWritten { done, of }));
+                let done = write_dataset(at, &plan, options, &mut *reader, &to, *replace, &progress)?;
                 Ok(describe_dataset(&done, &to))
             }
         }
