@@ -10,11 +10,11 @@ use touchline_application::app::{
     Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
 };
 use touchline_application::jobs::SharedPictures;
-use touchline_calibration::calibrate::{BulkChange, BulkError, BulkProgress, BulkSolve};
+use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
 };
@@ -166,7 +166,7 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
         change: BulkChange::Numbers(Box::new(numbers.clone())),
     };
     let told = Mutex::new(Vec::new());
-    let all = Progress::new(|progress: BulkProgress| {
+    let all = Progress::new(|progress: Share| {
         told.lock().unwrap().push(progress.done);
         ControlFlow::Continue(())
     });
@@ -176,7 +176,7 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
     told.sort_unstable();
     assert_eq!(told, (1..=FRAMES).collect::<Vec<_>>(), "each frame once");
     let some = Progress::new(
-        |progress: BulkProgress| {
+        |progress: Share| {
             if progress.done > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         },
     );

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameId};
 
 /// A change after which many frames are solved again.
@@ -64,15 +64,6 @@ pub enum BulkError {
     Assign(#[from] AssignError),
 }
 
-/// How many frames have been solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BulkProgress {
-    /// How many are done.
-    pub done: usize,
-    /// How many there are in all.
-    pub of: usize,
-}
-
 /// A change that is to be worked out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BulkSolve {
@@ -114,16 +105,16 @@ impl BulkSolve {
         places.iter().filter(|index| is_one(&self.document.frames[**index])).count()
     }
 
-    /// Works the change out.
+    /// Works the change out. A step of `progress` counts frames.
     ///
     /// # Errors
     /// The change cannot be made, or `progress` cancelled it.
-    pub fn run(self, progress: &Progress<'_, BulkProgress>) -> Result<BulkSolved, BulkError> {
+    pub fn run(self, progress: &Progress<'_, Share>) -> Result<BulkSolved, BulkError> {
         let mut after = self.document.clone();
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
-        let counting = progress.part(|()| BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
+        let counting = progress.part(|()| Share { done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
         let withdrawn = self.change.make_in_frames(&mut after, &self.document, &self.folder, &places, &counting)?;
         // Counted here, so that joining need not touch every frame.
         after.count_edits_since(&self.document);

@@ -42,7 +42,7 @@ pub(crate) use base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
 pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, FRAMES_FOR_PAINT, PictureOf, PulledFrames, estimate_on_paint};
 pub use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
-pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved, Joined, NewCamera};
+pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joined, NewCamera};
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use check::{
     Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values,

@@ -68,7 +68,7 @@ pub use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
 pub use proposal::{Answer, NoProposal, Proposal, Timings};
 pub use proposing::propose;
-pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, QualityProgress, WRONG_PX, measure, overlay_error_px};
+pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
 pub use suspects::{Suspect, find_suspects};
 pub use training_frames::TrainingFrames;

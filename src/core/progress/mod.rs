@@ -17,6 +17,20 @@ pub struct Share {
     pub of: usize,
 }
 
+impl Share {
+    /// From 0 to 1.
+    #[must_use]
+    pub fn fraction(self) -> f32 {
+        if self.of == 0 { 0.0 } else { (self.done as f32 / self.of as f32).min(1.0) }
+    }
+
+    /// In whole percent.
+    #[must_use]
+    pub fn percent(self) -> usize {
+        100 * self.done / self.of.max(1)
+    }
+}
+
 /// Receives the steps of a long function, from any thread, and may cancel it.
 pub struct Progress<'a, S> {
     receive: Box<dyn Fn(S) -> ControlFlow<()> + Sync + 'a>,

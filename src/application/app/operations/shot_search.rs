@@ -5,7 +5,7 @@ use crate::app::session::Level;
 use crate::app::{App, Command, Effect};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
 use touchline_vision::media::{FrameReader, FrameRef, MediaError};
 use touchline_vision::track::{CutFinder, Miniature};
@@ -19,23 +19,6 @@ pub struct ShotSearch {
     pub path: PathBuf,
     /// How many steps could be undone when the search began: what it finds goes beneath those that come later.
     pub num_below: usize,
-}
-
-/// How far a search has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShotProgress {
-    /// Frames that have been looked at.
-    pub done: usize,
-    /// All frames of the video.
-    pub of: usize,
-}
-
-impl ShotProgress {
-    /// How much is done, in whole percent.
-    #[must_use]
-    pub fn percent(self) -> usize {
-        100 * self.done / self.of.max(1)
-    }
 }
 
 /// The cuts of a video.
@@ -62,7 +45,7 @@ impl ShotSearchState {
 
     /// How far that has come.
     #[must_use]
-    pub fn progress(&self) -> ShotProgress {
+    pub fn progress(&self) -> Share {
         self.slot.running().and_then(Running::progress).copied().unwrap_or_default()
     }
 }
@@ -70,21 +53,22 @@ impl ShotSearchState {
 // ---- The work ----
 
 impl Operation for ShotSearch {
-    type Progress = ShotProgress;
+    /// Frames that have been looked at.
+    type Progress = Share;
     type Output = FoundShots;
     type Error = MediaError;
 
     const NAME: &'static str = "shots";
 
-    fn run(&self, context: &Context<'_, ShotProgress>) -> Result<FoundShots, MediaError> {
+    fn run(&self, context: &Context<'_, Share>) -> Result<FoundShots, MediaError> {
         let percent = AtomicUsize::new(usize::MAX);
-        let progress = Progress::new(|progress: ShotProgress| {
+        let progress = Progress::new(|frames: Share| {
             context.give_way_to_window();
             // The window shows whole percents and is painted after each report: a long match has thousands of frames a percent.
-            if percent.swap(progress.percent(), Ordering::Relaxed) == progress.percent() {
+            if percent.swap(frames.percent(), Ordering::Relaxed) == frames.percent() {
                 return context.check();
             }
-            context.report(progress)
+            context.report(frames)
         });
         // Each frame is read once, so that nothing would come of sharing them with the window.
         self.look(&mut FrameReader::new(), &progress)
@@ -115,16 +99,12 @@ impl ShotSearch {
     ///
     /// # Errors
     /// The video cannot be opened, or `progress` cancelled the search: [`MediaError::Stopped`].
-    pub fn look(
-        &self,
-        reader: &mut FrameReader,
-        progress: &Progress<'_, ShotProgress>,
-    ) -> Result<FoundShots, MediaError> {
+    pub fn look(&self, reader: &mut FrameReader, progress: &Progress<'_, Share>) -> Result<FoundShots, MediaError> {
         let of = reader.video_info(&self.path)?.decoded_frames;
         let mut finder = CutFinder::default();
         let mut last: Option<Miniature> = None;
         for done in 0..of {
-            if progress.report(ShotProgress { done, of }).is_break() {
+            if progress.report(Share { done, of }).is_break() {
                 return Err(MediaError::Stopped { path: self.path.clone() });
             }
             // A frame that does not decode shows nothing new.

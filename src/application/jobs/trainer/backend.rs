@@ -4,18 +4,17 @@ use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::error::TrainerError;
 use super::kept_forest::{keep_forest, kept_forest};
 use super::mailbox::TrainerMailbox;
-use super::watch::Watch;
-use crate::app::{Doing, Share, UnusableReference};
+use crate::app::{Doing, UnusableReference};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_calibration::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
 use touchline_calibration::pipelines::{ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines};
 use touchline_calibration::proposals::{
-    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality,
-    QualityProgress, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
+    TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
 };
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, Fields};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, TrainProgress};
@@ -28,7 +27,7 @@ pub(super) trait Backend {
     /// There is one, but it cannot be used.
     fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError>;
 
-    /// A forest of these training frames; none where the watch ended it.
+    /// A forest of these training frames; none where `progress` cancelled it.
     ///
     /// # Errors
     /// There cannot be one.
@@ -37,7 +36,7 @@ pub(super) trait Backend {
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
-        watch: &Watch<'_>,
+        progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
     /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where `progress`,
@@ -61,8 +60,13 @@ pub(super) trait Backend {
         progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>>;
 
-    /// The accuracy of a forest of these training frames, and which of them contradict others; none where the watch ended it.
-    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured>;
+    /// The accuracy of a forest of these training frames, and which of them contradict others; none where `progress` cancelled it.
+    fn measure(
+        &mut self,
+        document: &Document,
+        training_frames: &[usize],
+        progress: &Progress<'_, Doing>,
+    ) -> Option<Measured>;
 
     /// How a forest uses a frame's features; none where the frame cannot be read.
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
@@ -132,12 +136,12 @@ impl Backend for ForestBackend {
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
-        watch: &Watch<'_>,
+        progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let progress = Progress::new(|progress| watch.tell(doing_of(progress)));
-        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &progress)?;
+        let learning = progress.part(doing_of);
+        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &learning)?;
         let Some(LearntForest { mut model, studied }) = learnt else { return Ok(None) };
         self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
         let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
@@ -202,15 +206,20 @@ impl Backend for ForestBackend {
         }
     }
 
-    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured> {
+    fn measure(
+        &mut self,
+        document: &Document,
+        training_frames: &[usize],
+        progress: &Progress<'_, Doing>,
+    ) -> Option<Measured> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let progress = Progress::new(|QualityProgress { done, of }| watch.tell(Doing::Measuring(Share { done, of })));
-        let looking = progress.part(|()| QualityProgress::default());
+        let measuring = progress.part(Doing::Measuring);
+        let looking = progress.part(|()| Doing::Measuring(Share::default()));
         let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &looking)?;
         let (options, relocalizing) = (&self.options, &self.relocalizing);
-        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &progress);
-        watch.is_wanted().then_some(Measured { quality, suspects })
+        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &measuring);
+        progress.check().is_continue().then_some(Measured { quality, suspects })
     }
 
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures> {

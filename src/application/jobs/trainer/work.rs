@@ -6,7 +6,7 @@ use super::backend::{Backend, Learnt, Measured};
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use super::windows::Windows;
-use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
+use crate::app::{Doing, ForestFacts, TrainerStatus};
 use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
     AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
 };
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, FieldSpec, FrameId};
 use touchline_vision::relocalize::{CameraForest, ForestModel};
 
@@ -268,8 +268,10 @@ impl<C: Backend> Work<C> {
         let training_set = self.training_set.clone();
         let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
         let backend = &mut self.backend;
-        let learnt =
-            catch_unwind(AssertUnwindSafe(|| backend.learn(&document, &training_frames, &training_set, &watch)));
+        let learnt = catch_unwind(AssertUnwindSafe(|| {
+            let progress = Progress::new(|doing| watch.tell(doing));
+            backend.learn(&document, &training_frames, &training_set, &progress)
+        }));
         match learnt {
             Ok(Ok(None)) => {}
             Ok(Ok(Some(Learnt { model, features, failed }))) => {
@@ -422,10 +424,14 @@ impl<C: Backend> Work<C> {
         let watch =
             Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
         let backend = &mut self.backend;
-        let measured = catch_unwind(AssertUnwindSafe(|| backend.measure(&document, training_frames, &watch)));
-        // What was ended is begun again.
+        let measured = catch_unwind(AssertUnwindSafe(|| {
+            let progress = Progress::new(|doing| watch.tell(doing));
+            backend.measure(&document, training_frames, &progress)
+        }));
+        // What was ended is begun again, and so is what is out of date.
         match measured {
             Ok(None) => return,
+            Ok(Some(_)) if !watch.is_wanted() => return,
             Ok(Some(Measured { quality, suspects })) => {
                 if let Some(quality) = &quality {
                     self.bound(quality);
