@@ -20,6 +20,16 @@ pub trait ReadFrames {
     }
 }
 
+impl<R: ReadFrames + ?Sized> ReadFrames for &mut R {
+    fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        (**self).read(frame)
+    }
+
+    fn take_notices(&mut self) -> Vec<Notice> {
+        (**self).take_notices()
+    }
+}
+
 /// Fetches frames of images and videos. Belongs to one thread: a video's decoder stands at one place at a time.
 pub struct FrameReader {
     /// The videos used last, the latest at the end.

@@ -4,10 +4,11 @@ use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::session::Level;
 use crate::app::{App, Command, Effect};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
-use touchline_vision::media::{FrameReader, FrameRef, MediaError};
+use touchline_vision::media::{FrameReader, FrameRef, FrameStream, MediaError};
 use touchline_vision::track::{CutFinder, Miniature};
 
 /// The cuts of a video are to be found.
@@ -103,17 +104,19 @@ impl ShotSearch {
         let of = reader.video_info(&self.path)?.decoded_frames;
         let mut finder = CutFinder::default();
         let mut last: Option<Miniature> = None;
-        for done in 0..of {
-            if progress.report(Share { done, of }).is_break() {
-                return Err(MediaError::Stopped { path: self.path.clone() });
-            }
+        let path: Arc<Path> = Arc::from(self.path.as_path());
+        let frames = (0..of).map(|index| FrameRef::video(Arc::clone(&path), index));
+        for frame in FrameStream::new(frames).with_reader(reader).with_progress(progress.part(|frames| frames)) {
             // A frame that does not decode shows nothing new.
-            if let Ok(picture) = reader.read(&FrameRef::video(self.path.as_path(), done)) {
+            if let Ok(picture) = frame.picture {
                 last = Some(Miniature::of(&picture));
             }
             if let Some(miniature) = &last {
                 finder.push(miniature.clone());
             }
+        }
+        if progress.is_cancelled() {
+            return Err(MediaError::Stopped { path: self.path.clone() });
         }
         // Frames that did not decode at the start were not counted by the finder.
         let missing = of - finder.frames();

@@ -8,9 +8,9 @@ use super::paint::{MaskedPicture, Painted};
 use touchline_core::camera::Ptz;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::DocumentAt;
-use touchline_vision::media::{Picture, ReadFrames};
+use touchline_vision::media::{FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame};
 use touchline_vision::track::{ClipCamera, FollowOptions, PointFollower, PointTracks, TrackError};
 
 /// The pictures of a clip.
@@ -28,7 +28,12 @@ impl ClipPictures<'_> {
 
     fn read(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<Picture, TrackClipError> {
         let source = &self.clip.frames[frame].source;
-        let picture = reader.read(source)?;
+        self.checked(source, reader.read(source))
+    }
+
+    /// A picture of the clip, if it could be read and is as large as the others.
+    fn checked(&self, source: &FrameRef, picture: Result<Picture, MediaError>) -> Result<Picture, TrackClipError> {
+        let picture = picture?;
         let (actual, expected) = (picture.size(), self.size);
         if actual == expected {
             return Ok(picture);
@@ -74,19 +79,20 @@ impl ClipPictures<'_> {
         masks: &[Vec<PixelBox>],
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
-        let count = self.clip.frames.len();
         let mut follower = PointFollower::new(self.size, options);
-        let mut next = (count > 0).then(|| self.read(reader, 0)).transpose()?;
-        for (frame, masks) in masks.iter().enumerate() {
-            report(progress, ClipProgress::Following(frame, count))?;
-            let Some(picture) = next.take() else { break };
+        let mut frames = FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
+            .with_reader(reader)
+            .with_progress(progress.part(|Share { done, of }| ClipProgress::Following(done, of)));
+        let mut next = frames.next();
+        for masks in masks {
+            let Some(StreamedFrame { source, picture }) = next else { break };
+            let picture = self.checked(&source, picture)?;
             let mut ended: Result<usize, TrackError> = Ok(0);
-            let read = rayon::in_place_scope(|scope| {
-                scope.spawn(|_| ended = follower.add(&picture, masks));
-                (frame + 1 < count).then(|| self.read(reader, frame + 1)).transpose()
-            });
+            next = frames.next_during(|| ended = follower.add(&picture, masks));
             ended?;
-            next = read?;
+        }
+        if progress.is_cancelled() {
+            return Err(TrackClipError::Stopped);
         }
         Ok(follower.finished())
     }
