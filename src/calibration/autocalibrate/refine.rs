@@ -112,3 +112,71 @@ fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &Matche
         frames: hypothesis.frames.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{base, document, drawn_picture, hypothesis, matched, ptz, soccer};
+    use super::*;
+    use rayon::prelude::*;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+    use touchline_core::geometry::Vec3;
+    use touchline_vision::media::Picture;
+
+    /// The right hypothesis, but that the camera stands half a metre beside its place.
+    fn beside() -> Hypothesis {
+        let mut hypothesis = hypothesis(&soccer().assumed);
+        hypothesis.camera.base.position_m += Vec3::new(0.3, -0.4, 0.1);
+        hypothesis
+    }
+
+    fn refine(
+        hypothesis: &Hypothesis,
+        picture: PictureOfFrame<'_>,
+        progress: &Progress<'_, UnclickedProgress>,
+    ) -> Result<Option<Hypothesis>, Stop> {
+        let (document, camera) = (document(), "main".into());
+        let document = document.at(Path::new(""));
+        let searched = SearchedCamera { document, camera: &camera, is_size_unknown: false };
+        refine_base(hypothesis, &BaseOptions::default(), searched, &matched(), picture, progress)
+    }
+
+    fn drawn_pictures() -> Vec<Picture> {
+        let field = soccer().assumed;
+        ptz().into_par_iter().map(|ptz| drawn_picture(&field, ptz)).collect()
+    }
+
+    #[test]
+    fn a_base_beside_its_place_is_brought_onto_the_paint() {
+        let (from, pictures) = (beside(), drawn_pictures());
+        let mut asked = Vec::new();
+        let mut picture = |index: usize| {
+            asked.push(index);
+            pictures.get(index - 10).cloned()
+        };
+        let refined = refine(&from, &mut picture, &Progress::default()).ok().flatten().unwrap();
+        let off_m = (refined.position_m() - base().position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m");
+        assert!(asked.iter().all(|index| (10..17).contains(index)), "{asked:?}");
+        let off_px = |(found, truth): (&Option<Ptz>, Ptz)| (found.unwrap().focal_px - truth.focal_px).abs();
+        assert!(refined.ptz.iter().zip(ptz()).map(off_px).all(|px| px < 3.0), "{:?}", refined.ptz);
+        assert_eq!((refined.paint_priors.len(), refined.camera.frames.len()), (7, 7));
+        // The same pictures gave both positions: half of what they differ by stays uncertain.
+        let changed_m = (refined.position_m() - from.position_m()).norm();
+        let sigma_m = refined.camera.base.sigma.position_m.norm();
+        assert!(sigma_m > SIGMA_OF_CHANGE * changed_m && sigma_m < 1.0, "{sigma_m} m after {changed_m} m");
+        assert_eq!(refined.camera.field.length_m, from.camera.field.length_m, "the size is known");
+    }
+
+    #[test]
+    fn without_pictures_no_base_is_refined() {
+        let refined = refine(&beside(), &mut |_| None, &Progress::default());
+        assert!(matches!(refined, Ok(None)));
+    }
+
+    #[test]
+    fn refining_stops_when_it_is_cancelled() {
+        let stopped = refine(&beside(), &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
+        assert!(matches!(stopped, Err(Stop::Failed(UnclickedError::Stopped))));
+    }
+}

@@ -85,9 +85,9 @@ pub(super) fn contradicting_click(camera: &UnclickedCamera, clicks: &[GroundClic
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{hypothesis, matched, soccer};
+    use super::super::rotating_camera::{document, hypothesis, matched, matched_with_strokes, soccer};
     use super::*;
-    use touchline_core::geometry::Vec3;
+    use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
     use touchline_core::solve::base::FittedSize;
 
     #[test]
@@ -117,10 +117,54 @@ mod tests {
     }
 
     #[test]
+    fn a_click_beside_where_the_camera_has_its_landmark_contradicts_it() {
+        let (camera, document) = (hypothesis(&soccer().assumed).camera, document());
+        let (frame, landmark) = (&camera.frames[3], camera.field.landmark("centre_mark").unwrap());
+        let seen =
+            PtzCamera::new(camera.base, frame.ptz).image_from_world(camera.field.landmark_in_world(landmark)).unwrap();
+        let click = |frame: usize, landmark: &str, off_px: f64| GroundClick {
+            frame,
+            landmark: landmark.into(),
+            image: seen.moved(Vec2::new(0.6, 0.8) * off_px),
+        };
+        let doubt = |clicks: &[GroundClick]| contradicting_click(&camera, clicks, &document.frames);
+
+        // A picture of 960 px width allows half of the 25 px.
+        let near = click(frame.index, "centre_mark", 12.0);
+        assert_eq!(doubt(&[near.clone()]), None);
+        let Some(Doubt::ClickContradicts { landmark, frame: name, off_px }) =
+            doubt(&[near, click(frame.index, "centre_mark", 13.0)])
+        else {
+            panic!("the second click is too far away");
+        };
+        assert_eq!((landmark.as_str(), name.as_str()), ("centre_mark", "13.png"));
+        assert!((off_px - 13.0).abs() < 1e-9, "{off_px}");
+
+        // Of another frame, or of something that the field lacks, nothing is known.
+        assert_eq!(doubt(&[click(2, "centre_mark", 400.0), click(frame.index, "centre_of_gravity", 400.0)]), None);
+    }
+
+    #[test]
+    fn a_click_on_what_the_camera_has_behind_it_contradicts_it() {
+        let (mut camera, document) = (hypothesis(&soccer().assumed).camera, document());
+        camera.frames[3].ptz.pan = camera.frames[3].ptz.pan + Angle::from_degrees(180.0);
+        let image = ImagePoint::new(480.0, 270.0);
+        let click = GroundClick { frame: camera.frames[3].index, landmark: "centre_mark".into(), image };
+        let doubt = contradicting_click(&camera, &[click], &document.frames);
+        assert!(matches!(doubt, Some(Doubt::ClickContradicts { off_px: f64::INFINITY, .. })), "{doubt:?}");
+    }
+
+    #[test]
     fn nothing_is_missing_where_no_open_ground_is_seen() {
         let mut camera = hypothesis(&soccer().assumed).camera;
         camera.frames.clear();
         assert_eq!(missing_in_frames(&camera, &matched()), [""; 0]);
+    }
+
+    #[test]
+    fn nothing_is_missing_in_pictures_that_show_all_lines() {
+        let camera = hypothesis(&soccer().assumed).camera;
+        assert_eq!(missing_in_frames(&camera, &matched_with_strokes(&camera.field, &[0, 1, 2, 3, 4, 5, 6])), [""; 0]);
     }
 
     #[test]
