@@ -12,7 +12,7 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
-use touchline_calibration::calibrate::UnclickedCamera;
+use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSize, FieldSpec, document_from_frames};
@@ -143,7 +143,7 @@ fn numbered(panorama: &Path, number: usize) -> PathBuf {
 }
 
 /// The picture of what was found.
-fn panorama_png(document: &Document, found: &UnclickedCamera) -> anyhow::Result<Vec<u8>> {
+fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Result<Vec<u8>> {
     let frames: Vec<_> =
         found.frames.iter().map(|frame| (frame.ptz, document.frames[frame.index].image_size)).collect();
     let scene = PaintMapScene { base: &found.base, field: &found.field, frames: &frames, paint: &found.paint };

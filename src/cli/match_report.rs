@@ -5,7 +5,7 @@ use super::track::TrackingReport;
 use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::autocalibrate::DecidingLandmark;
-use touchline_calibration::calibrate::{UnclickedCamera, describe_size};
+use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent, NoCamera};
 use touchline_documents::document::Document;
 
@@ -102,11 +102,11 @@ pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
 /// Two answers in words, and the click that decides between them.
 fn two_answers(
     document: &Document,
-    best: &UnclickedCamera,
-    other: &UnclickedCamera,
+    best: &AutocalibratedCamera,
+    other: &AutocalibratedCamera,
     deciding: Option<&DecidingLandmark>,
 ) -> String {
-    let at = |found: &UnclickedCamera| {
+    let at = |found: &AutocalibratedCamera| {
         let at = found.base.position_m;
         format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
     };
@@ -122,7 +122,7 @@ fn two_answers(
 }
 
 /// What was found and what speaks for it.
-fn describe_found(found: &UnclickedCamera, messages: Messages) {
+fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
     for size in &found.sizes {
         messages.note(&describe_size(size));
     }

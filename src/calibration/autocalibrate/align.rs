@@ -8,13 +8,13 @@
 //! 2. where that succeeds, its result replaces the first paint. An alignment that the neighbours contradict by more than
 //!    [`MAX_CONTRADICTION_PX`] went to the wrong lines and is dropped; a frame that stays uncertain is not answered.
 
-use super::UnclickedProgress;
+use super::AutocalibrationProgress;
 use super::error::Stop;
 use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
 use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame, read_pictures};
-use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
@@ -42,7 +42,7 @@ pub(super) fn align_frames(
     mut hypothesis: Hypothesis,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Hypothesis, Stop> {
     let Some(placed) = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, matched) else {
         return Ok(hypothesis);
@@ -55,15 +55,15 @@ pub(super) fn align_frames(
 
 /// Aligns each frame to the painted lines of its own picture, where these decide.
 fn align_to_pictures(
-    camera: &mut UnclickedCamera,
+    camera: &mut AutocalibratedCamera,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<(), Stop> {
-    let UnclickedCamera { base, field, frames, .. } = camera;
+    let AutocalibratedCamera { base, field, frames, .. } = camera;
     let of = frames.len();
     for (chunk, some) in frames.chunks_mut(MAX_PICTURES_IN_MEMORY).enumerate() {
-        report(progress, UnclickedProgress::Snapping { done: chunk * MAX_PICTURES_IN_MEMORY, of })?;
+        report(progress, AutocalibrationProgress::Snapping { done: chunk * MAX_PICTURES_IN_MEMORY, of })?;
         let indices: Vec<usize> = some.iter().map(|frame| frame.index).collect();
         let pictures: BTreeMap<usize, Picture> = read_pictures(&indices, picture).into_iter().collect();
         some.par_iter_mut().for_each(|frame| {
@@ -93,8 +93,8 @@ impl ConstrainedFrames {
     }
 
     /// The frames with their indices in the document, uncertain ones included.
-    fn frames(&self, matched: &MatchedFrames) -> Vec<UnclickedFrame> {
-        let frame = |(&index, held): (&usize, &HeldFrame)| UnclickedFrame {
+    fn frames(&self, matched: &MatchedFrames) -> Vec<AutocalibratedFrame> {
+        let frame = |(&index, held): (&usize, &HeldFrame)| AutocalibratedFrame {
             index,
             ptz: held.ptz,
             uncertainty: self.uncertainty(held),
@@ -152,7 +152,7 @@ impl ConstrainedFrames {
     }
 
     /// 1-σ at the worst corner, the base taken as exact, px.
-    fn corner_sigma_px(&self, frame: &UnclickedFrame, known: &Uncertainty) -> f64 {
+    fn corner_sigma_px(&self, frame: &AutocalibratedFrame, known: &Uncertainty) -> f64 {
         let camera = PtzCamera::new(self.base, frame.ptz);
         known.with_exact_base().worst_corner_sigma_px(&camera, self.image_size)
     }
@@ -231,7 +231,7 @@ mod tests {
     fn alignment_stops_when_it_is_told_to() {
         let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
         let stopped = align_frames(hypothesis, &matched, &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
-        assert!(matches!(stopped, Err(Stop::Failed(super::super::UnclickedError::Stopped))));
+        assert!(matches!(stopped, Err(Stop::Failed(super::super::AutocalibrationError::Stopped))));
     }
 
     #[test]

@@ -16,8 +16,8 @@ use super::verdict::{
     MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click, few_aligned, is_refuted,
     missing_in_frames, open_size, uncertain,
 };
-use super::{Abstention, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress};
-use crate::calibrate::UnclickedCamera;
+use super::{Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, Doubt};
+use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
@@ -31,14 +31,14 @@ const MIN_CLICKS: usize = 2;
 ///
 /// # Errors
 /// The search was stopped, the field cannot be had, or OpenCV is missing or refused. That no answer is certain is no error but
-/// [`UnclickedAnswer::Abstained`].
+/// [`AutocalibrationAnswer::Abstained`].
 pub fn camera_without_clicks(
     document: DocumentAt<'_>,
     camera: &CameraId,
     look_at: usize,
     picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, UnclickedProgress>,
-) -> Result<UnclickedAnswer, UnclickedError> {
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
     Search { document, camera, field_prior, by_clicks: false, progress }.run(look_at, picture)
 }
@@ -54,8 +54,8 @@ pub fn camera_from_few_clicks(
     camera: &CameraId,
     look_at: usize,
     picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, UnclickedProgress>,
-) -> Result<UnclickedAnswer, UnclickedError> {
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
     Search { document, camera, field_prior, by_clicks: true, progress }.run(look_at, picture)
 }
@@ -66,7 +66,7 @@ struct Search<'a> {
     field_prior: FieldPrior,
     /// Clicks say where the camera stands.
     by_clicks: bool,
-    progress: &'a Progress<'a, UnclickedProgress>,
+    progress: &'a Progress<'a, AutocalibrationProgress>,
 }
 
 /// The best candidate, and another one elsewhere that explains the paint nearly as well.
@@ -77,15 +77,19 @@ struct Choice {
 
 impl Search<'_> {
     /// The answer; an abstention is one.
-    fn run(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, UnclickedError> {
+    fn run(
+        &self,
+        max_sampled: usize,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         match self.find(max_sampled, picture) {
             Ok(answer) => Ok(answer),
-            Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
+            Err(Stop::Abstained(why)) => Ok(AutocalibrationAnswer::Abstained(why)),
             Err(Stop::Failed(error)) => Err(error),
         }
     }
 
-    fn find(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
+    fn find(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<AutocalibrationAnswer, Stop> {
         let indices = self.choose_frames(max_sampled);
         // Fewer clicks determine no pose: no picture need be read.
         if self.by_clicks && self.clicks(&indices).len() < MIN_CLICKS {
@@ -120,7 +124,7 @@ impl Search<'_> {
         is_doubted: bool,
         matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let is_doubted = is_doubted || !runner_up.doubts().is_empty();
         runner_up.camera.evidence.rival = best.score();
         let runner_up = align_frames(runner_up, matched, picture, self.progress)?;
@@ -159,10 +163,10 @@ impl Search<'_> {
     /// Both cameras, for a person to choose from. Each has to be as good as one that refutes another.
     fn leave_to_a_click(
         &self,
-        best: UnclickedCamera,
-        other: UnclickedCamera,
+        best: AutocalibratedCamera,
+        other: AutocalibratedCamera,
         is_doubted: bool,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let doubt = |camera| few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP).or_else(|| open_size(camera));
         let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
@@ -170,7 +174,7 @@ impl Search<'_> {
             return Err(uncertain(doubts, best));
         }
         let deciding = deciding_landmark(&self.document, &best, &other);
-        Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
+        Ok(AutocalibrationAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
     }
 
     /// Refines the only candidate that is left, aligns its frames from there and judges it.
@@ -180,7 +184,7 @@ impl Search<'_> {
         matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
         min_aligned: f64,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let Some(refined) = self.refine(hypothesis, &BaseOptions::default(), matched, picture)? else {
             return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
         };
@@ -226,10 +230,10 @@ impl Search<'_> {
     /// The answer, if enough of the camera's frames agree with it, no line is missing and no click contradicts it.
     fn judge(
         &self,
-        mut camera: UnclickedCamera,
+        mut camera: AutocalibratedCamera,
         matched: &MatchedFrames,
         min_aligned: f64,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         camera.evidence.missing = missing_in_frames(&camera, matched);
         let lines = &camera.evidence.missing;
         let missing = || (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() });
@@ -237,7 +241,7 @@ impl Search<'_> {
         let contradicted = || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
         match few_aligned(&camera, min_aligned).or_else(missing).or_else(contradicted) {
             Some(doubt) => Err(uncertain(vec![doubt], camera)),
-            None => Ok(UnclickedAnswer::Found(Box::new(camera))),
+            None => Ok(AutocalibrationAnswer::Found(Box::new(camera))),
         }
     }
 
@@ -272,8 +276,8 @@ impl Search<'_> {
         let mut sampled = Vec::new();
         for (chunk, some) in indices.chunks(MAX_PICTURES_IN_MEMORY).enumerate() {
             let done = chunk * MAX_PICTURES_IN_MEMORY;
-            report(self.progress, UnclickedProgress::Looking { done, of: indices.len() })?;
-            sampled.extend(sample_frames(some, masks_of, picture).map_err(UnclickedError::from)?);
+            report(self.progress, AutocalibrationProgress::Looking { done, of: indices.len() })?;
+            sampled.extend(sample_frames(some, masks_of, picture).map_err(AutocalibrationError::from)?);
         }
         Ok(sampled)
     }

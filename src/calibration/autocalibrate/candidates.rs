@@ -23,7 +23,7 @@ use super::pitch_map::PitchMap;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::ScoredPose;
-use super::{UnclickedError, UnclickedProgress};
+use super::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,9 +58,9 @@ pub(super) fn find_candidates(
     matched: &MatchedFrames,
     clicks: Option<&[GroundClick]>,
     field_prior: &FieldPrior,
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
-    report(progress, UnclickedProgress::Gathering)?;
+    report(progress, AutocalibrationProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
     let found = match clicks {
@@ -76,17 +76,17 @@ fn refine_poses(
     fields: &[FieldModel],
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
     let PosesByFocalScale { poses, rotations } = found;
     let panoramas = place_panoramas(poses, fields, field_prior, rotations);
 
     let num_done = AtomicUsize::new(0);
-    let adjusted: Result<Vec<Option<Hypothesis>>, UnclickedError> = panoramas
+    let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
         .par_iter()
         .map(|panorama| {
             let done = num_done.load(Ordering::Relaxed);
-            report(progress, UnclickedProgress::Adjusting { done, of: panoramas.len() })?;
+            report(progress, AutocalibrationProgress::Adjusting { done, of: panoramas.len() })?;
             let hypothesis = adjust_with_and_without_size(panorama, rotations, field_prior, matched);
             num_done.fetch_add(1, Ordering::Relaxed);
             Ok(hypothesis)
@@ -99,7 +99,7 @@ fn refine_poses(
     if field_prior.is_size_unknown() {
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
-            report(progress, UnclickedProgress::Sizing { done, of })?;
+            report(progress, AutocalibrationProgress::Sizing { done, of })?;
             try_neighbouring_sizes(hypothesis, field_prior, matched);
         }
         sort_best_first(&mut hypotheses);
@@ -308,7 +308,7 @@ mod tests {
         let matched = matched_with_strokes(&prior.assumed, &ALL_VIEWS);
         let found = poses_beside(&prior.assumed, &[(Vec3::new(0.6, -0.8, 0.3), 0.8), (Vec3::new(-0.5, 0.7, 0.0), 0.9)]);
         let steps = Mutex::new(Vec::new());
-        let progress = Progress::new(|step: UnclickedProgress| {
+        let progress = Progress::new(|step: AutocalibrationProgress| {
             steps.lock().unwrap().push(step);
             ControlFlow::Continue(())
         });
@@ -319,7 +319,7 @@ mod tests {
         assert!(off_m < 0.1, "{off_m:.3} m");
         assert!(candidate.score() > 0.9, "{}", candidate.score());
         assert_eq!(candidate.doubts(), []);
-        let adjusting = UnclickedProgress::Adjusting { done: 0, of: 1 };
+        let adjusting = AutocalibrationProgress::Adjusting { done: 0, of: 1 };
         assert_eq!(*steps.lock().unwrap(), [adjusting], "no other size is tried where it is known");
     }
 
@@ -351,7 +351,7 @@ mod tests {
     fn the_search_for_candidates_stops_when_it_is_cancelled() {
         let progress = Progress::new(|_| ControlFlow::Break(()));
         let stopped = find_candidates(&matched(), None, &known_field(), &progress);
-        assert!(matches!(stopped, Err(Stop::Failed(UnclickedError::Stopped))));
+        assert!(matches!(stopped, Err(Stop::Failed(AutocalibrationError::Stopped))));
     }
 
     /// The right hypothesis on a field of this length, with a score.

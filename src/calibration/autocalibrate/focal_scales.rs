@@ -11,7 +11,7 @@ use super::pose::fit_pose;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::{PLACES, Panorama, ScoredPose, score_pose, search, sort};
-use super::{Abstention, UnclickedProgress};
+use super::{Abstention, AutocalibrationProgress};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
@@ -54,7 +54,7 @@ pub(super) struct PosesByFocalScale {
 pub(super) fn search_poses(
     matched: &MatchedFrames,
     maps: &[PitchMap],
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
     let num_places = PLACES * maps.len();
     let search_at_scale = |_: &Turns, panorama: &Panorama| search(panorama, maps);
@@ -67,7 +67,7 @@ pub(super) fn poses_from_clicks(
     fields: &[FieldModel],
     maps: &[PitchMap],
     clicks: &[GroundClick],
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
     try_focal_scales(matched, &FINE_FOCAL_PERCENT, fields.len(), progress, |turns, panorama| {
         let mut found = Vec::new();
@@ -88,7 +88,7 @@ fn try_focal_scales(
     matched: &MatchedFrames,
     focal_percent: &[u32],
     places: usize,
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
     poses_at: impl Fn(&Turns, &Panorama) -> Vec<ScoredPose>,
 ) -> Result<PosesByFocalScale, Stop> {
     let (mut found, mut rotations) = (Vec::new(), Vec::new());
@@ -98,7 +98,7 @@ fn try_focal_scales(
     let mut done = 0;
     while let Some(&percent) = percents.get(done) {
         let of = percents.len().max(USUAL_ROUNDS);
-        report(progress, UnclickedProgress::Trying { places, done, of })?;
+        report(progress, AutocalibrationProgress::Trying { places, done, of })?;
         done += 1;
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {

@@ -8,7 +8,7 @@ use super::error::Stop;
 use super::progress::report;
 use super::sampled_frames::SampledFrame;
 use super::search::Panorama;
-use super::{Abstention, UnclickedError, UnclickedProgress};
+use super::{Abstention, AutocalibrationError, AutocalibrationProgress};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::Features;
@@ -54,12 +54,15 @@ impl MatchedFrames {
     ///
     /// # Errors
     /// Too few are connected, the search was stopped, or OpenCV is missing or refused.
-    pub fn from_sampled(frames: &[SampledFrame], progress: &Progress<'_, UnclickedProgress>) -> Result<Self, Stop> {
+    pub fn from_sampled(
+        frames: &[SampledFrame],
+        progress: &Progress<'_, AutocalibrationProgress>,
+    ) -> Result<Self, Stop> {
         let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
-        let of_pairs = progress.part(|Share { done, of }| UnclickedProgress::Tying { done, of });
-        let matches = tie_frames(&features, &of_pairs).map_err(UnclickedError::Track)?;
-        report(progress, UnclickedProgress::Tying { done: pairs, of: pairs })?;
+        let of_pairs = progress.part(|Share { done, of }| AutocalibrationProgress::Tying { done, of });
+        let matches = tie_frames(&features, &of_pairs).map_err(AutocalibrationError::Track)?;
+        report(progress, AutocalibrationProgress::Tying { done: pairs, of: pairs })?;
         Ok(Self::from_matches(frames, &matches)?)
     }
 

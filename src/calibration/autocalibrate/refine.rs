@@ -9,9 +9,10 @@ use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
 use super::sampled_frames::PictureOfFrame;
-use super::{UnclickedError, UnclickedProgress};
+use super::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
-    BaseOnPaint, BaseOnPaintError, EstimatedBase, UnclickedCamera, covariance_on_paint, estimate_on_paint, record_found,
+    AutocalibratedCamera, BaseOnPaint, BaseOnPaintError, EstimatedBase, covariance_on_paint, estimate_on_paint,
+    record_found,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -44,26 +45,28 @@ pub(super) fn refine_base(
     searched: SearchedCamera<'_>,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, UnclickedProgress>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Option<Hypothesis>, Stop> {
-    report(progress, UnclickedProgress::Refining)?;
+    report(progress, AutocalibrationProgress::Refining)?;
     let SearchedCamera { document, camera, is_size_unknown } = searched;
     let mut bare = without_labels(&document, camera);
     record_found(&mut bare, camera, &hypothesis.camera);
 
     let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
     let at = bare.at(document.folder);
-    let estimating = progress.part(|_| UnclickedProgress::Refining);
+    let estimating = progress.part(|_| AutocalibrationProgress::Refining);
     let estimated = match estimate_on_paint(at, camera, options, is_size_unknown, &mut picture_of, &estimating) {
         Ok(BaseOnPaint { estimated, .. }) => estimated,
-        Err(_) if progress.report(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
+        Err(_) if progress.report(AutocalibrationProgress::Refining).is_break() => {
+            return Err(AutocalibrationError::Stopped.into());
+        }
         Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
     };
 
     estimated.write_camera(&mut bare);
-    let field = bare.at(document.folder).model_of(bare.field_of_camera(camera)).map_err(UnclickedError::from)?;
+    let field = bare.at(document.folder).model_of(bare.field_of_camera(camera)).map_err(AutocalibrationError::from)?;
     let refined = with_base(hypothesis, estimated, matched);
-    Ok(Some(Hypothesis { camera: UnclickedCamera { field, ..refined.camera }, ..refined }))
+    Ok(Some(Hypothesis { camera: AutocalibratedCamera { field, ..refined.camera }, ..refined }))
 }
 
 /// A copy of a document in which nothing is known of a camera's frames: the search reads neither clicks nor cameras that were known
@@ -108,7 +111,7 @@ fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &Matche
     Hypothesis {
         paint_priors: paint_priors.collect(),
         ptz,
-        camera: UnclickedCamera { base, sizes, ..before.clone() },
+        camera: AutocalibratedCamera { base, sizes, ..before.clone() },
         frames: hypothesis.frames.clone(),
     }
 }
@@ -133,7 +136,7 @@ mod tests {
     fn refine(
         hypothesis: &Hypothesis,
         picture: PictureOfFrame<'_>,
-        progress: &Progress<'_, UnclickedProgress>,
+        progress: &Progress<'_, AutocalibrationProgress>,
     ) -> Result<Option<Hypothesis>, Stop> {
         let (document, camera) = (document(), "main".into());
         let document = document.at(Path::new(""));
@@ -177,6 +180,6 @@ mod tests {
     #[test]
     fn refining_stops_when_it_is_cancelled() {
         let stopped = refine(&beside(), &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
-        assert!(matches!(stopped, Err(Stop::Failed(UnclickedError::Stopped))));
+        assert!(matches!(stopped, Err(Stop::Failed(AutocalibrationError::Stopped))));
     }
 }

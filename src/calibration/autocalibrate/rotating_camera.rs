@@ -6,7 +6,7 @@ use super::hypothesis::Hypothesis;
 use super::matched_frames::{FramesAtScale, MatchedFrames, renumber_matches};
 use super::pitch_map::PitchMap;
 use super::sampled_frames::SampledFrame;
-use crate::calibrate::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
@@ -178,20 +178,20 @@ pub fn paint_prior(frame: usize, ptz: Ptz) -> Hold {
 /// The right hypothesis, with an index for each frame and no evidence.
 pub fn hypothesis(field: &FieldModel) -> Hypothesis {
     let ptz = ptz();
-    let placed = ptz.iter().enumerate().map(|(number, &ptz)| UnclickedFrame {
+    let placed = ptz.iter().enumerate().map(|(number, &ptz)| AutocalibratedFrame {
         index: 10 + number,
         ptz,
         uncertainty: None,
         snapped: None,
     });
-    let camera = UnclickedCamera {
+    let camera = AutocalibratedCamera {
         base: base(),
         field: field.clone(),
         sizes: Vec::new(),
         frames: placed.collect(),
         others: Vec::new(),
         paint: Vec::new(),
-        evidence: UnclickedEvidence::default(),
+        evidence: AutocalibrationEvidence::default(),
     };
     let paint_priors = ptz.iter().enumerate().map(|(frame, &ptz)| paint_prior(frame, ptz)).collect();
     let ptz = ptz.into_iter().map(Some).collect();

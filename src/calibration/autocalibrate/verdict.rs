@@ -9,7 +9,7 @@ use super::error::Stop;
 use super::evidence::missing_lines;
 use super::matched_frames::MatchedFrames;
 use super::{Abstention, Doubt};
-use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Frames;
 use touchline_vision::paint::Strokes;
@@ -31,36 +31,36 @@ const MAX_ALIGNED_OF_RUNNER_UP: f64 = 0.65;
 const CONTRADICTING_PX: f64 = 25.0;
 
 /// No answer, for what speaks against the best one.
-pub(super) fn uncertain(doubts: Vec<Doubt>, best: UnclickedCamera) -> Stop {
+pub(super) fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
     Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into()
 }
 
 /// The share of the frames that agree with their own paint, of those that show enough of it.
-fn aligned_share(camera: &UnclickedCamera) -> f64 {
+fn aligned_share(camera: &AutocalibratedCamera) -> f64 {
     camera.snapped_count() as f64 / camera.evidence.frames.max(1) as f64
 }
 
 /// The doubt about a camera with which fewer than a share of its frames agree.
-pub(super) fn few_aligned(camera: &UnclickedCamera, min_share: f64) -> Option<Doubt> {
+pub(super) fn few_aligned(camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
     let (snapped, frames) = (camera.snapped_count(), camera.evidence.frames);
     (aligned_share(camera) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
 }
 
 /// Whether the frames' own pictures contradict a runner-up.
-pub(super) fn is_refuted(runner_up: &UnclickedCamera) -> bool {
+pub(super) fn is_refuted(runner_up: &AutocalibratedCamera) -> bool {
     aligned_share(runner_up) <= MAX_ALIGNED_OF_RUNNER_UP
 }
 
 /// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
 /// be metres off.
-pub(super) fn open_size(camera: &UnclickedCamera) -> Option<Doubt> {
+pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     let open = camera.sizes.iter().find(|size| size.is_open)?;
     Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
 }
 
 /// The lines of the field that a camera should show in its frames and does not, by name.
-pub(super) fn missing_in_frames(camera: &UnclickedCamera, matched: &MatchedFrames) -> Vec<String> {
-    let looking = |frame: &UnclickedFrame| -> Option<(PtzCamera, &Strokes)> {
+pub(super) fn missing_in_frames(camera: &AutocalibratedCamera, matched: &MatchedFrames) -> Vec<String> {
+    let looking = |frame: &AutocalibratedFrame| -> Option<(PtzCamera, &Strokes)> {
         let strokes = &matched.strokes[matched.number_of(frame.index)?];
         Some((PtzCamera::new(camera.base, frame.ptz), strokes))
     };
@@ -69,7 +69,11 @@ pub(super) fn missing_in_frames(camera: &UnclickedCamera, matched: &MatchedFrame
 }
 
 /// The doubt about a camera that one of some clicks contradicts. `clicks` number frames as the document does.
-pub(super) fn contradicting_click(camera: &UnclickedCamera, clicks: &[GroundClick], frames: &Frames) -> Option<Doubt> {
+pub(super) fn contradicting_click(
+    camera: &AutocalibratedCamera,
+    clicks: &[GroundClick],
+    frames: &Frames,
+) -> Option<Doubt> {
     clicks.iter().find_map(|click| {
         let found = camera.frames.iter().find(|frame| frame.index == click.frame)?;
         let landmark = camera.field.landmark(click.landmark.as_str())?;

@@ -25,7 +25,7 @@ pub enum BulkChange {
     /// A camera gets the base that was estimated.
     Base(Arc<EstimatedBase>),
     /// A camera gets the base that was found without a click, and its frames what was found with it.
-    Unclicked(Arc<FoundCamera>),
+    Autocalibrated(Arc<FoundCamera>),
     /// Frames are assigned to a camera.
     Assign(Box<AssignedFrames>),
 }
@@ -202,7 +202,7 @@ impl BulkChange {
             }
             Self::Base(found) => found.write_camera(document),
             // Its frames are those that nobody has clicked in: no edit of them is lost.
-            Self::Unclicked(found) => found.write(document),
+            Self::Autocalibrated(found) => found.write(document),
             Self::Assign(given) => {
                 let Some(new) = &given.new else { return Ok(()) };
                 add_camera_like(document, &given.camera, &new.like)?;
@@ -217,7 +217,7 @@ impl BulkChange {
     /// The places of the frames that it may change, ascending.
     fn places(&self, document: &Document) -> Vec<usize> {
         match self {
-            Self::Numbers(_) | Self::Base(_) | Self::Unclicked(_) => (0..document.frames.len()).collect(),
+            Self::Numbers(_) | Self::Base(_) | Self::Autocalibrated(_) => (0..document.frames.len()).collect(),
             Self::Assign(given) => {
                 let mut places: Vec<usize> =
                     given.frames.iter().filter_map(|id| document.frames.position_of(id)).collect();
@@ -242,7 +242,7 @@ impl BulkChange {
             return Ok(0);
         }
         match self {
-            Self::Numbers(_) | Self::Unclicked(_) => solve_by_clicks(document, folder, places, progress)?,
+            Self::Numbers(_) | Self::Autocalibrated(_) => solve_by_clicks(document, folder, places, progress)?,
             Self::Base(found) => found.write_frames(document, before, folder, places, progress)?,
             Self::Assign(given) => {
                 let fields = Fields::of(document.at(folder))?;

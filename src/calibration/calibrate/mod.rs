@@ -1,6 +1,7 @@
 //! From a document to a solved document: frames, bases, the field's size, names, which camera, click noise, and what is wrong with it.
 
 mod after_merge;
+mod autocalibrated_camera;
 mod base_change;
 mod base_estimation;
 mod base_on_paint;
@@ -29,11 +30,11 @@ mod size_fit;
 mod solve_all;
 mod solve_frames;
 mod still_runs;
-mod unclicked_camera;
 mod unseen_length;
 mod which_camera;
 
 pub use after_merge::{SolvedAfterMerge, solve_after_merge};
+pub use autocalibrated_camera::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
@@ -74,5 +75,4 @@ pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub use solve_frames::{is_by_clicks, record_outcome};
 use still_runs::still_runs;
-pub use unclicked_camera::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
 pub use which_camera::{AssignError, add_camera_like, assign_to_camera};

@@ -11,10 +11,10 @@ use super::forest_labels::{
 use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
-    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedError, UnclickedProgress,
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, DecidingLandmark, PictureOfFrame,
     camera_from_few_clicks, camera_without_clicks,
 };
-use crate::calibrate::{UnclickedCamera, clips, record_found};
+use crate::calibrate::{AutocalibratedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -45,7 +45,7 @@ impl Default for MatchOptions {
 #[derive(Debug)]
 pub enum MatchEvent {
     /// The search for a camera has come so far.
-    Searching(UnclickedProgress),
+    Searching(AutocalibrationProgress),
     /// The picture of a frame cannot be read. The others are looked at.
     Unreadable {
         /// The frame's name.
@@ -58,7 +58,7 @@ pub enum MatchEvent {
         /// Its name.
         camera: CameraId,
         /// The camera.
-        found: Arc<UnclickedCamera>,
+        found: Arc<AutocalibratedCamera>,
         /// Of another camera than the first: how many of the frames looked at overlap with none of those before.
         separate_frames: Option<usize>,
     },
@@ -101,9 +101,9 @@ pub enum NoCamera {
     /// Two cameras explain the paint alike.
     Two {
         /// The one that explains a little more.
-        best: Box<UnclickedCamera>,
+        best: Box<AutocalibratedCamera>,
         /// The other.
-        other: Box<UnclickedCamera>,
+        other: Box<AutocalibratedCamera>,
         /// A click that decides between the two.
         deciding: Option<DecidingLandmark>,
     },
@@ -115,7 +115,7 @@ pub enum NoCamera {
 #[derive(Debug)]
 pub struct LabelledMatch {
     /// The cameras that were found.
-    pub cameras: Vec<Arc<UnclickedCamera>>,
+    pub cameras: Vec<Arc<AutocalibratedCamera>>,
     /// Frames that were not looked at and have a camera now.
     pub answered: usize,
     /// Frames that have none.
@@ -128,7 +128,7 @@ pub struct LabelledMatch {
 pub enum LabelMatchError {
     /// The search failed, or was ended.
     #[error(transparent)]
-    Search(#[from] UnclickedError),
+    Search(#[from] AutocalibrationError),
     /// The field of a camera is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
@@ -147,10 +147,10 @@ pub fn find_camera(
     camera: &CameraId,
     sampled_frames: usize,
     picture: PictureOfFrame<'_>,
-    progress: &Progress<'_, UnclickedProgress>,
-) -> Result<UnclickedAnswer, UnclickedError> {
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, progress)?;
-    if matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
+    if matches!(by_clicks, AutocalibrationAnswer::Abstained(_)) {
         camera_without_clicks(at, camera, sampled_frames, picture, progress)
     } else {
         Ok(by_clicks)
@@ -200,7 +200,10 @@ struct Labelling<'a> {
 
 impl Labelling<'_> {
     /// Searches a camera; reports each picture that cannot be read once.
-    fn search(&mut self, camera: &CameraId) -> Result<Result<Arc<UnclickedCamera>, NoCamera>, UnclickedError> {
+    fn search(
+        &mut self,
+        camera: &CameraId,
+    ) -> Result<Result<Arc<AutocalibratedCamera>, NoCamera>, AutocalibrationError> {
         let at = self.document.at(self.folder);
         let mut unreadable = BTreeSet::new();
         let mut picture = |index: usize| {
@@ -217,9 +220,9 @@ impl Labelling<'_> {
         };
         let progress = self.progress.part(MatchEvent::Searching);
         Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &progress)? {
-            UnclickedAnswer::Found(found) => Ok(Arc::from(found)),
-            UnclickedAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
-            UnclickedAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
+            AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
+            AutocalibrationAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
+            AutocalibrationAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
         })
     }
 
@@ -228,8 +231,8 @@ impl Labelling<'_> {
     fn find_other_cameras(
         &mut self,
         camera: CameraId,
-        first: Arc<UnclickedCamera>,
-    ) -> Result<Vec<Arc<UnclickedCamera>>, UnclickedError> {
+        first: Arc<AutocalibratedCamera>,
+    ) -> Result<Vec<Arc<AutocalibratedCamera>>, AutocalibrationError> {
         let (mut found, mut of) = (vec![first], camera);
         while let Some(last) = found.last() {
             let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
@@ -258,7 +261,7 @@ impl Labelling<'_> {
     }
 
     /// Labels the frames that have no camera yet, from those of the cameras found.
-    fn label_the_rest(&mut self, found: &[Arc<UnclickedCamera>]) -> Result<(), LabelMatchError> {
+    fn label_the_rest(&mut self, found: &[Arc<AutocalibratedCamera>]) -> Result<(), LabelMatchError> {
         if self.document.frames.iter().all(|frame| frame.video.is_none()) {
             return self.label_by_forest(found);
         }
@@ -271,7 +274,7 @@ impl Labelling<'_> {
 
     /// Asks a forest. It learns from the frames that lie on their own paint, as if a person had accepted them; the document keeps them
     /// as suggestions.
-    fn label_by_forest(&mut self, found: &[Arc<UnclickedCamera>]) -> Result<(), LabelMatchError> {
+    fn label_by_forest(&mut self, found: &[Arc<AutocalibratedCamera>]) -> Result<(), LabelMatchError> {
         let frames = found.iter().flat_map(|found| &found.frames);
         let mut on_paint: Vec<usize> =
             frames.filter(|frame| frame.snapped.is_some()).map(|frame| frame.index).collect();

@@ -4,7 +4,7 @@ use super::clip::DrawnClip;
 use crate::ExperimentError;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use touchline_calibration::autocalibrate::{Doubt, UnclickedAnswer, camera_without_clicks};
+use touchline_calibration::autocalibrate::{AutocalibrationAnswer, Doubt, camera_without_clicks};
 use touchline_calibration::calibrate::{
     ClipEvidence, FrameLookup, TrackClipOptions, calibrate, clips, record_found, record_tracked, track_clip,
 };
@@ -155,13 +155,13 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     let at = document.at(clip.folder());
     let answer = camera_without_clicks(at, &camera, LOOK_AT, &mut picture, &Progress::default());
     match answer.map_err(|error| wrong(clip, &error))? {
-        UnclickedAnswer::Found(found) => {
+        AutocalibrationAnswer::Found(found) => {
             record_found(&mut labelled.document, &camera, &found);
             carry(clip, &mut labelled, &mut ClipEvidence::default())?;
             Ok(Ok(labelled))
         }
-        UnclickedAnswer::Abstained(why) => Ok(Err(why.to_string())),
-        UnclickedAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
+        AutocalibrationAnswer::Abstained(why) => Ok(Err(why.to_string())),
+        AutocalibrationAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
     }
 }
 

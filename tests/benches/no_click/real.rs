@@ -4,8 +4,8 @@ use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{CAMERA, document};
 use super::gate::Rate;
 use std::path::Path;
-use touchline::autocalibrate::{Abstention, UnclickedAnswer};
-use touchline::calibrate::{BaseProblem, UnclickedCamera, observations, record_found, solve_document};
+use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
+use touchline::calibrate::{AutocalibratedCamera, BaseProblem, observations, record_found, solve_document};
 use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames, VideoFrame};
 use touchline::media::FrameSource;
 use touchline::progress::Progress;
@@ -66,7 +66,7 @@ impl Clicked {
         measured.filter_map(|(frame, clicked)| of_frame((frame, clicked))).collect()
     }
 
-    fn judged(&self, found: &UnclickedCamera, folder: &Path) -> (bool, String) {
+    fn judged(&self, found: &AutocalibratedCamera, folder: &Path) -> (bool, String) {
         let mut recorded = self.bare.clone();
         let camera = recorded.cameras[0].id.clone();
         record_found(&mut recorded, &camera, found);
@@ -106,16 +106,16 @@ impl Clicked {
         let (answer, seconds) = answer(&self.bare, folder, Way::WithoutClicks);
         let mut tally = Tally::default();
         let says = match &answer {
-            UnclickedAnswer::Found(found) => {
+            AutocalibrationAnswer::Found(found) => {
                 let (right, says) = self.judged(found, folder);
                 (tally.right, tally.wrong) = (usize::from(right), usize::from(!right));
                 format!("{}: {says}", if right { "right" } else { "WRONG" })
             }
-            UnclickedAnswer::Two { best, other, .. } => {
+            AutocalibrationAnswer::Two { best, other, .. } => {
                 tally.two = 1;
                 format!("two: {} / {}", self.judged(best, folder).1, self.judged(other, folder).1)
             }
-            UnclickedAnswer::Abstained(why) => {
+            AutocalibrationAnswer::Abstained(why) => {
                 tally.abstained = 1;
                 let best = match why {
                     Abstention::Uncertain { best: Some(best), .. } => self.judged(best, folder).1,
@@ -202,7 +202,7 @@ pub fn others(data: &Path) -> Tally {
         }
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&document, &answer, None);
-        let says = if let (true, UnclickedAnswer::Found(found)) = (can_be_right, &answer) {
+        let says = if let (true, AutocalibrationAnswer::Found(found)) = (can_be_right, &answer) {
             let at_m: Vec<String> = found.base.position_m.iter().map(|m| format!("{m:.2}")).collect();
             format!("camera at ({}) m, whose panorama has to be looked at", at_m.join(", "))
         } else {
@@ -216,7 +216,7 @@ pub fn others(data: &Path) -> Tally {
     let mixed = mixed(data);
     let (answer, seconds) = answer(&mixed, data, Way::WithoutClicks);
     let (says, tally) = match &answer {
-        UnclickedAnswer::Found(found) => of_one_match(data, &mixed, found),
+        AutocalibrationAnswer::Found(found) => of_one_match(data, &mixed, found),
         _ => judged(&mixed, &answer, None),
     };
     println!("| d82e7a and 08fd33 mixed | {} | {says} | {seconds:.0} |", mixed.frames.len());
@@ -240,7 +240,7 @@ fn mixed(data: &Path) -> Document {
 }
 
 /// An answer to mixed frames is right if its frames are of one match and its base is that match's.
-fn of_one_match(data: &Path, mixed: &Document, found: &UnclickedCamera) -> (String, Tally) {
+fn of_one_match(data: &Path, mixed: &Document, found: &AutocalibratedCamera) -> (String, Tally) {
     let of = |name: &str| found.frames.iter().filter(|frame| mixed.frames[frame.index].name().contains(name)).count();
     let counts = ["d82e7a", "08fd33"].map(of);
     let name = if counts[0] >= counts[1] { "d82e7a" } else { "08fd33" };
