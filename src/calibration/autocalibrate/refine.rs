@@ -1,7 +1,7 @@
 //! Refines the base of a hypothesis with the paint of its frames' own pictures.
 //!
 //! The strokes from which the search found the base are coarse: they were found without knowing where to look. With a base, the
-//! painted lines are measured where it predicts them, as for a base that a person refines ([`estimate_on_paint`]).
+//! painted lines are measured where it predicts them, as for a base that a person refines ([`KnownFrames::estimate_base`]).
 
 use super::align::prior_from_alignment;
 use super::error::Stop;
@@ -11,14 +11,15 @@ use super::progress::report;
 use super::sampled_frames::PictureOfFrame;
 use super::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
-    AutocalibratedCamera, BaseOnPaint, BaseOnPaintError, EstimatedBase, covariance_on_paint, estimate_on_paint,
-    record_found,
+    AutocalibratedCamera, AutocalibratedFrame, BaseOnPaintError, BaseProblem, KnownCameras, KnownFrames, OpenField,
+    PaintEstimate, covariance_on_paint, set_size,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
-use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
+use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSpec};
 
 /// What is measured twice in the same pictures is known no better than this share of the difference.
 const SIGMA_OF_CHANGE: f64 = 0.5;
@@ -49,43 +50,52 @@ pub(super) fn refine_base(
 ) -> Result<Option<Hypothesis>, Stop> {
     report(progress, AutocalibrationProgress::Refining)?;
     let SearchedCamera { document, camera, is_size_unknown } = searched;
-    let mut bare = without_labels(&document, camera);
-    record_found(&mut bare, camera, &hypothesis.camera);
+    let Some(of_document) = document.camera(camera) else { return Ok(None) };
+    let found = &hypothesis.camera;
+    let spec = found_field(&document, camera, found);
+    let field = document.model_of(&spec).map_err(AutocalibrationError::from)?;
 
-    let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
-    let at = bare.at(document.folder);
+    // The search reads neither clicks nor cameras that were known before.
+    let takes_part = |frame: &&AutocalibratedFrame| {
+        let frame = &document.frames[frame.index];
+        frame.is_used_for_base() && frame.image_size == of_document.image_size
+    };
+    let frames: Vec<&AutocalibratedFrame> = found.frames.iter().filter(takes_part).collect();
+    let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
+    let known = KnownFrames {
+        start: KnownCameras {
+            base: found.base,
+            crown_m: field.crown_m,
+            ptz: frames.iter().map(|frame| Some(frame.best_ptz())).collect(),
+            by_clicks: false,
+        },
+        masks: indices.iter().map(|&index| document.masks_of(&document.frames[index])).collect(),
+        picture: &mut |place: usize| picture(indices[place]),
+        open_field: is_size_unknown.then_some(OpenField { document, spec: &spec }),
+        problem: BaseProblem::without_clicks(of_document, field, &found.base, indices.clone()),
+    };
     let estimating = progress.part(|_| AutocalibrationProgress::Refining);
-    let estimated = match estimate_on_paint(at, camera, options, is_size_unknown, &mut picture_of, &estimating) {
-        Ok(BaseOnPaint { estimated, .. }) => estimated,
+    let estimated = match known.estimate_base(options, &estimating) {
+        Ok(estimated) => estimated,
         Err(_) if progress.report(AutocalibrationProgress::Refining).is_break() => {
             return Err(AutocalibrationError::Stopped.into());
         }
         Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
     };
-
-    estimated.write_camera(&mut bare);
-    let field = bare.at(document.folder).model_of(bare.field_of_camera(camera)).map_err(AutocalibrationError::from)?;
-    let refined = with_base(hypothesis, estimated, matched);
-    Ok(Some(Hypothesis { camera: AutocalibratedCamera { field, ..refined.camera }, ..refined }))
+    Ok(Some(with_base(hypothesis, estimated, matched)))
 }
 
-/// A copy of a document in which nothing is known of a camera's frames: the search reads neither clicks nor cameras that were known
-/// before.
-fn without_labels(document: &Document, camera: &CameraId) -> Document {
-    let mut bare = document.clone();
-    for index in 0..bare.frames.len() {
-        if bare.frames[index].camera == *camera {
-            let frame = &mut bare.frames[index];
-            (frame.clicks, frame.ptz, frame.solution) = (Vec::new(), None, None);
-            frame.status = frame.undecided();
-        }
-    }
-    bare
+/// The field of a document's camera with the size and the crown that were found.
+fn found_field(document: &Document, camera: &CameraId, found: &AutocalibratedCamera) -> FieldSpec {
+    let mut spec = document.field_of_camera(camera).clone();
+    set_size(&mut spec, &found.sizes);
+    spec.set_crown_m(found.field.crown_m);
+    spec
 }
 
-/// A hypothesis with another base and the frames that were estimated with it; its field stays.
-fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &MatchedFrames) -> Hypothesis {
-    let EstimatedBase { frames, estimate, mut sizes, .. } = estimated;
+/// A hypothesis with another base, the frames that were estimated with it, and the field on which they were.
+fn with_base(hypothesis: &Hypothesis, estimated: PaintEstimate, matched: &MatchedFrames) -> Hypothesis {
+    let PaintEstimate { problem, estimate, mut sizes, .. } = estimated;
     let before = &hypothesis.camera;
 
     // Both bases are measured in the same pictures: their difference is an error that neither σ has.
@@ -98,8 +108,9 @@ fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &Matche
         size.sigma_m = size.sigma_m.max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
     }
 
+    let field = FieldModel { crown_m: estimate.crown_m, ..problem.field };
     // The strokes of a frame counted for little where they lay beside its lines; now it lies on its paint.
-    let fitted = frames.iter().zip(&estimate.frames);
+    let fitted = problem.frames.iter().zip(&estimate.frames);
     let ptz_by_index: BTreeMap<usize, Ptz> =
         fitted.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
     let ptz: Vec<Option<Ptz>> = matched.indices.iter().map(|index| ptz_by_index.get(index).copied()).collect();
@@ -111,7 +122,7 @@ fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &Matche
     Hypothesis {
         paint_priors: paint_priors.collect(),
         ptz,
-        camera: AutocalibratedCamera { base, sizes, ..before.clone() },
+        camera: AutocalibratedCamera { base, field, sizes, ..before.clone() },
         frames: hypothesis.frames.clone(),
     }
 }

@@ -47,6 +47,13 @@ pub struct AutocalibratedFrame {
     pub snapped: Option<Snapped>,
 }
 
+impl AutocalibratedFrame {
+    /// Pan, tilt and focal length by its own picture where that decides, else by all frames together.
+    pub(crate) fn best_ptz(&self) -> Ptz {
+        self.snapped.as_ref().map_or(self.ptz, |snapped| snapped.ptz)
+    }
+}
+
 /// What speaks for a base.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]

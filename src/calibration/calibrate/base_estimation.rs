@@ -59,8 +59,8 @@ pub struct BaseProblem {
     pub frames: Vec<usize>,
     /// Their clicks, in the same order.
     pub clicks: Vec<FrameClicks>,
-    image_size: ImageSize,
-    principal_point: ImagePoint,
+    pub(super) image_size: ImageSize,
+    pub(super) principal_point: ImagePoint,
     pub(super) previous: Option<CameraBase>,
 }
 
@@ -112,6 +112,20 @@ impl BaseProblem {
     /// Those of [`Self::of`].
     pub(super) fn with_solved(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
         Self::gathered(document, camera, |frame| frame.ptz.is_some())
+    }
+
+    /// Frames of a camera on a field, by their indices, of which no click is known.
+    pub(crate) fn without_clicks(camera: &Camera, field: FieldModel, base: &CameraBase, frames: Vec<usize>) -> Self {
+        let clicks = frames.iter().map(|_| FrameClicks { observations: Vec::new(), start: None }).collect();
+        Self {
+            camera: camera.id.clone(),
+            field,
+            frames,
+            clicks,
+            image_size: camera.image_size,
+            principal_point: base.principal_point,
+            previous: Some(*base),
+        }
     }
 
     /// Gathers the frames with clicks, and those without that are wanted all the same.

@@ -18,6 +18,7 @@ mod found_camera;
 mod frame_lookup;
 mod from_proposal;
 mod gold;
+mod known_frames;
 mod length_on_lines;
 mod on_paint;
 mod own_covariance;
@@ -39,8 +40,7 @@ pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
 };
-pub(crate) use base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
-pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, FRAMES_FOR_PAINT, PictureOf, PulledFrames, estimate_on_paint};
+pub use base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_paint};
 pub use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joined, NewCamera};
@@ -54,10 +54,15 @@ pub use clip::{
     TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor, record_tracked, track_clip,
 };
 pub use disagreement::{Disagreement, Disagreements, disagreements};
+pub(crate) use field_size::set_size;
 pub use follow_base::follow_all_bases;
 pub use found_camera::FoundCamera;
 pub use frame_lookup::FrameLookup;
 pub use gold::{can_choose_gold, choose_gold};
+pub(crate) use known_frames::{
+    ALONE_SIGMA_M, KnownCameras, KnownFrames, OpenField, PaintEstimate, as_paint_alone_gives,
+};
+pub use known_frames::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use length_on_lines::LENGTH_UNSEEN;
 pub use length_on_lines::{LengthOnLines, length_on_lines, take_length};
 pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};

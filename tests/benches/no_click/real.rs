@@ -1,12 +1,12 @@
 //! Real frames. People's clicks measure the answers; the method is given the pictures alone.
 
 use super::answers::{Tally, Way, answer, judged};
-use super::drawing::{CAMERA, document};
+use super::drawing::document_of_video;
 use super::gate::Rate;
 use std::path::Path;
 use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
 use touchline::calibrate::{AutocalibratedCamera, BaseProblem, observations, record_found, solve_document};
-use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames, VideoFrame};
+use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames};
 use touchline::media::FrameSource;
 use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
@@ -28,7 +28,7 @@ pub const CLIPS_RATE: Rate = Rate { tried: 18, right: 16, wrong: 0 };
 const MIRRORED: &str = "42ba34_9_2";
 
 /// An answer is right if it stands so near to the base of the clicks, m, and the median of its distances at them is so small, px.
-const RIGHT_M: f64 = 2.0;
+pub const RIGHT_M: f64 = 2.0;
 const RIGHT_PX: f64 = 5.0;
 
 /// A match with people's clicks, and the same without anything that people did.
@@ -151,7 +151,8 @@ fn without_people(document: &Document) -> Document {
     bare
 }
 
-fn heading(name: &str) {
+/// Begins a table of answers.
+pub fn heading(name: &str) {
     println!("\n## {name}\n\n| frames of | frames | answer | s |\n|---|---|---|---|");
 }
 
@@ -195,11 +196,8 @@ pub fn others(data: &Path) -> Tally {
         ("video-soccer as basketball", "video-soccer/match.mp4", "basketball_nba", false),
     ] {
         let FrameSource::Video(info) = FrameSource::open(&data.join(video)).unwrap() else { continue };
-        let mut document = document(FieldSpec::new(field), info.size);
-        for index in (0..info.decoded_frames).step_by((info.decoded_frames / 40).max(1)) {
-            let video = VideoFrame::new(video, index as u64, info.pts_s(index));
-            document.frames.push(Frame::from_video(video, CameraId::from(CAMERA), info.size).into());
-        }
+        let stride = (info.decoded_frames / 40).max(1);
+        let document = document_of_video(video, &info, FieldSpec::new(field), stride);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&document, &answer, None);
         let says = if let (true, AutocalibrationAnswer::Found(found)) = (can_be_right, &answer) {
