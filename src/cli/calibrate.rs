@@ -12,8 +12,9 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
-use touchline_calibration::calibrate::UnclickedCamera;
-use touchline_calibration::pipelines::{LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match};
+use touchline_calibration::calibrate::AutocalibratedCamera;
+use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSize, FieldSpec, document_from_frames};
 use touchline_documents::store;
 use touchline_documents::store::Location;
@@ -83,7 +84,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     ensure!(!source.is_empty(), "{} holds no image", args.frames.display());
     let folder = std::path::absolute(&args.output)?;
     let new_folder = NewFolder::make(&folder)?;
-    let made = document_from_frames(&source, &folder, field, NonZeroUsize::MIN, &|| {});
+    let made = document_from_frames(&source, &folder, field, NonZeroUsize::MIN, &Progress::default());
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());
     }
@@ -91,11 +92,12 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let camera = document.cameras.first().context("not one image can be read")?.id.clone();
     let options = MatchOptions { sampled_frames: args.look_at as usize, label_the_rest: !args.found_only };
     let report = MatchReport::new(messages);
-    let watch = |event: MatchEvent<'_>| {
+    let progress = Progress::new(|event| {
         report.hear(event);
         ControlFlow::Continue(())
-    };
-    let labels = label_match(&mut document, &folder, &camera, &mut FrameReader::new(), &options, &watch);
+    });
+    let labels = label_match(&mut document, &folder, &camera, &mut FrameReader::new(), &options, &progress);
+    drop(progress);
     drop(report);
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
@@ -110,7 +112,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         location.file().display(),
         document.frames.len(),
         all.iter().map(|found| found.frames.len()).sum::<usize>(),
-        all.iter().map(UnclickedCamera::snapped_count).sum::<usize>(),
+        all.iter().map(|found| found.snapped_count()).sum::<usize>(),
     ));
     let LabelledMatch { answered, unanswered, .. } = labelled;
     if !args.found_only && (answered, unanswered) != (0, 0) {
@@ -141,7 +143,7 @@ fn numbered(panorama: &Path, number: usize) -> PathBuf {
 }
 
 /// The picture of what was found.
-fn panorama_png(document: &Document, found: &UnclickedCamera) -> anyhow::Result<Vec<u8>> {
+fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Result<Vec<u8>> {
     let frames: Vec<_> =
         found.frames.iter().map(|frame| (frame.ptz, document.frames[frame.index].image_size)).collect();
     let scene = PaintMapScene { base: &found.base, field: &found.field, frames: &frames, paint: &found.paint };

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use super::output::print;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -29,7 +29,7 @@ pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let mut problems = check_values(document.at(location.folder()));
     problems.extend(check_cameras(document.at(location.folder())));
     problems.extend(check_solutions(document.at(location.folder())));
-    problems.extend(check_pictures(document.at(location.folder()), &|| bar.inc(1)));
+    problems.extend(check_pictures(document.at(location.folder()), &count_steps(&bar)));
     problems.extend(check_still_runs(document.at(location.folder())));
     problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));
     bar.finish_and_clear();

@@ -4,9 +4,9 @@ use super::Outcome;
 use super::interrupt::Interrupt;
 use super::messages::Messages;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use touchline_core::geometry::counted;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{DocumentAt, FrameStatus};
 use touchline_documents::exchange::{
     DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
@@ -101,10 +101,11 @@ pub fn write_dataset(
     }
     let interrupt = Interrupt::listen();
     let bar = messages.progress(plan.pictures(), "pictures");
-    let done = write(at, &plan, &options, &mut FrameReader::new(), folder, force, &mut |done, _| {
-        bar.set_position(done as u64);
-        if interrupt.is_pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    let progress = Progress::new(|pictures: Share| {
+        bar.set_position(pictures.done as u64);
+        interrupt.check()
     });
+    let done = write(at, &plan, &options, &mut FrameReader::new(), folder, force, &progress);
     bar.finish_and_clear();
     let done = match done {
         Err(stopped @ ExchangeError::Stopped) => {

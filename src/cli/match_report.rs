@@ -5,7 +5,7 @@ use super::track::TrackingReport;
 use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::autocalibrate::DecidingLandmark;
-use touchline_calibration::calibrate::{UnclickedCamera, describe_size};
+use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent, NoCamera};
 use touchline_documents::document::Document;
 
@@ -32,7 +32,7 @@ impl MatchReport {
     }
 
     /// Says what happened.
-    pub fn hear(&self, event: MatchEvent<'_>) {
+    pub fn hear(&self, event: MatchEvent) {
         let messages = self.messages;
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
@@ -41,17 +41,17 @@ impl MatchReport {
                 bar.set_message(progress.to_string());
                 bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
             }
-            MatchEvent::Unreadable(frame, error) => messages.frame_failed(&frame.name(), &error.to_string()),
+            MatchEvent::Unreadable { frame, error } => messages.frame_failed(&frame, &error.to_string()),
             MatchEvent::Found { camera, found, separate_frames } => {
                 shown.clear();
                 if let Some(count) = separate_frames {
                     messages.note(&format!("{count} frames are of another camera, {camera}:"));
                 }
-                describe_found(found, messages);
+                describe_found(&found, messages);
             }
             MatchEvent::OtherNotFound { document, camera, why, separate_frames } => {
                 shown.clear();
-                let why = describe_no_camera(document, why);
+                let why = describe_no_camera(&document, &why);
                 messages.note(&format!("{separate_frames} frames are of another camera, {camera}: {why}"));
             }
             MatchEvent::Learning(LearningProgress::Features { done, of }) => {
@@ -102,11 +102,11 @@ pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
 /// Two answers in words, and the click that decides between them.
 fn two_answers(
     document: &Document,
-    best: &UnclickedCamera,
-    other: &UnclickedCamera,
+    best: &AutocalibratedCamera,
+    other: &AutocalibratedCamera,
     deciding: Option<&DecidingLandmark>,
 ) -> String {
-    let at = |found: &UnclickedCamera| {
+    let at = |found: &AutocalibratedCamera| {
         let at = found.base.position_m;
         format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
     };
@@ -122,7 +122,7 @@ fn two_answers(
 }
 
 /// What was found and what speaks for it.
-fn describe_found(found: &UnclickedCamera, messages: Messages) {
+fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
     for size in &found.sizes {
         messages.note(&describe_size(size));
     }

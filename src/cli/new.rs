@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::document::refuse_unwritable;
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use super::output::refuse_existing;
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     );
     let folder = std::path::absolute(&args.folder)?;
     let bar = messages.progress(source.len().div_ceil(args.every.get()), "Reading frames");
-    let made = document_from_frames(&source, &folder, field, args.every, &|| bar.inc(1));
+    let made = document_from_frames(&source, &folder, field, args.every, &count_steps(&bar));
     bar.finish_and_clear();
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());

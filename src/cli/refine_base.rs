@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use super::track::track_and_report;
 use clap::ValueEnum;
 use std::collections::BTreeSet;
@@ -136,7 +136,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         estimate.write_camera(&mut document);
     }
     let bar = messages.progress(document.frames.len(), "Solving");
-    let outcomes = solve_document(&mut document, location.folder(), &|| bar.inc(1))?;
+    let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
     let mut failed = errors.len();
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
@@ -198,7 +198,7 @@ fn carry_few(
     }
     if is_any {
         // All cameras at once: each clip is carried by whatever is known of it.
-        track_and_report(document, folder, None, &TrackingOptions::default(), &|| false, messages)?;
+        track_and_report(document, folder, None, &TrackingOptions::default(), None, messages)?;
     }
     Ok(())
 }

@@ -4,10 +4,9 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use touchline_calibration::calibrate::{camera_on_paint, record_on_paint};
-use touchline_calibration::proposals::read_picture;
+use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Fields, FrameStatus};
-use touchline_vision::media::FrameReader;
+use touchline_documents::document::{Fields, Frame, FrameStatus};
 use touchline_vision::paint::{FindOptions, SnapOptions};
 
 /// Pulls solved frames onto the painted markings; statuses stay as they are.
@@ -47,19 +46,16 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let fields = Fields::of(document.at(location.folder()))?;
     let snap = SnapOptions { reach_px: args.reach, own_k1: args.k1, ..SnapOptions::default() };
     let options = FindOptions { snap, ..FindOptions::default() };
-    let mut reader = FrameReader::new();
     let bar = messages.progress(document.frames.len(), "Snapping");
-    let mut counts = Counts::default();
-    for index in 0..document.frames.len() {
-        bar.inc(1);
+    let is_looked_at =
+        |frame: &Frame| frame.status != FrameStatus::Rejected && (frame.ptz.is_some() || args.from_nothing);
+    let looked_at: Vec<usize> = (0..before.frames.len()).filter(|&index| is_looked_at(&before.frames[index])).collect();
+    let mut counts = Counts { passed: before.frames.len() - looked_at.len(), ..Counts::default() };
+    for FramePicture { index, picture, .. } in PictureStream::new(before.at(location.folder()), looked_at) {
+        bar.set_position(index as u64 + 1);
         let frame = &*document.frames[index];
-        let is_solved = frame.ptz.is_some();
-        if frame.status == FrameStatus::Rejected || !(is_solved || args.from_nothing) {
-            counts.passed += 1;
-            continue;
-        }
-        let name = frame.name();
-        let picture = match read_picture(&mut reader, frame, location.folder()) {
+        let (is_solved, name) = (frame.ptz.is_some(), frame.name());
+        let picture = match picture {
             Ok(picture) => picture,
             Err(error) => {
                 counts.failed += 1;

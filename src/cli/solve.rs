@@ -2,13 +2,12 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::Messages;
+use super::messages::{Messages, count_steps};
 use std::path::Path;
 use touchline_calibration::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
-use touchline_calibration::proposals::read_picture;
+use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::geometry::counted;
-use touchline_documents::document::{Document, DocumentAt, Fields, FrameStatus};
-use touchline_vision::media::FrameReader;
+use touchline_documents::document::{Document, DocumentAt, Fields, Frame, FrameStatus};
 
 /// Solves every frame with enough clicks; statuses stay as they are.
 #[derive(clap::Args, Debug)]
@@ -34,7 +33,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
         messages.note(&noise.describe());
     }
     let bar = messages.progress(document.frames.len(), "Solving");
-    let outcomes = solve_document(&mut document, location.folder(), &|| bar.inc(1))?;
+    let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
     let count = |wanted: fn(&SolveOutcome) -> bool| outcomes.iter().filter(|outcome| wanted(outcome)).count();
     let solved = count(|outcome| matches!(outcome, SolveOutcome::Solved));
@@ -59,15 +58,13 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// Writes what the painted lines say about every solved frame into it; pictures that cannot be read are named.
 fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
     let fields = Fields::of(document.at(folder))?;
-    let mut reader = FrameReader::new();
     let bar = messages.progress(document.frames.len(), "Checking the lines");
-    for index in 0..document.frames.len() {
-        bar.inc(1);
-        let frame = &*document.frames[index];
-        if frame.ptz.is_none() || frame.status == FrameStatus::Rejected {
-            continue;
-        }
-        match read_picture(&mut reader, frame, folder) {
+    let solved = document.clone();
+    let is_checked = |frame: &Frame| frame.ptz.is_some() && frame.status != FrameStatus::Rejected;
+    let checked = (0..solved.frames.len()).filter(|&index| is_checked(&solved.frames[index]));
+    for FramePicture { index, frame, picture } in PictureStream::new(solved.at(folder), checked) {
+        bar.set_position(index as u64 + 1);
+        match picture {
             Ok(picture) => {
                 let field = fields.of_frame(document, frame);
                 if let Some(check) = check_frame(document, frame, field, &picture) {

@@ -7,11 +7,13 @@ use super::messages::Messages;
 use indicatif::ProgressBar;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{
-    ClipFrames, ClipProgress, LengthOnLines, OnPaintErrors, PaintSeen, TrackClipOptions, TrackedClip, clips,
+    ClipProgress, ClipSpan, LengthOnLines, OnPaintErrors, PaintSeen, TrackClipOptions, TrackedClip, clips,
 };
 use touchline_calibration::pipelines::{TrackedFrames, TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::geometry::counted;
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document};
 use touchline_vision::media::{FrameReader, FrameRef};
@@ -65,9 +67,8 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     };
     let options = TrackingOptions { clip, refine_base: args.refine_base };
     let interrupt = Interrupt::listen();
-    let is_stopped = || interrupt.is_pressed();
     let within = args.frames.as_ref();
-    let found = track_and_report(&mut document, location.folder(), within, &options, &is_stopped, messages)?;
+    let found = track_and_report(&mut document, location.folder(), within, &options, Some(&interrupt), messages)?;
     if found.is_stopped && found.tracked == 0 {
         messages.note("stopped; no clip was finished, nothing was written");
         return Ok(Outcome::Stopped);
@@ -85,7 +86,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(if found.missed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 
-/// Tracks the clips of a document, with a bar and what is worth knowing; `is_stopped` ends it within a clip, and keeps those before.
+/// Tracks the clips of a document, with a bar and what is worth knowing; `interrupt` ends it within a clip, and keeps those before.
 ///
 /// # Errors
 /// The field is not valid.
@@ -94,17 +95,17 @@ pub fn track_and_report(
     folder: &Path,
     within: Option<&RangeInclusive<usize>>,
     options: &TrackingOptions,
-    is_stopped: &dyn Fn() -> bool,
+    interrupt: Option<&Interrupt>,
     messages: Messages,
 ) -> anyhow::Result<TrackedFrames> {
     let clips = clips(document.at(folder), within);
-    let mut report = TrackingReport::new(messages);
-    let mut watch = |event: TrackingEvent<'_>| {
-        report.hear(event);
-        if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
+    let report = Mutex::new(TrackingReport::new(messages));
+    let progress = Progress::new(|event| {
+        report.lock().unwrap_or_else(PoisonError::into_inner).hear(event);
+        interrupt.map_or(ControlFlow::Continue(()), Interrupt::check)
+    });
     let mut reader = FrameReader::new();
-    Ok(track_clips(document, folder, &clips, &mut reader, options, &mut Vec::new(), &mut watch)?)
+    Ok(track_clips(document, folder, &clips, &mut reader, options, &mut Vec::new(), &progress)?)
 }
 
 /// What is said while clips are tracked: a bar for each step, and a line for what is worth knowing.
@@ -120,19 +121,19 @@ impl TrackingReport {
     }
 
     /// Says what happened.
-    pub fn hear(&mut self, event: TrackingEvent<'_>) {
+    pub fn hear(&mut self, event: TrackingEvent) {
         let messages = self.messages;
         if !matches!(event, TrackingEvent::Progress(_)) {
             self.clear();
         }
         match event {
-            TrackingEvent::Begun(clip) => self.bar = Some(messages.progress(2 * clip.frames.len(), "Tracking")),
+            TrackingEvent::Begun(clip) => self.bar = Some(messages.progress(2 * clip.num_pictures, "Tracking")),
             TrackingEvent::Progress(progress) => show_progress(self.bar.as_ref(), progress),
             TrackingEvent::Refining(_) => self.bar = Some(messages.progress(1, "Refining the base on painted lines")),
-            TrackingEvent::Tracked(clip, tracked) => report_tracked(clip, tracked, messages),
-            TrackingEvent::Failed(clip, error) => messages.frame_failed(&name_of(clip), &error.to_string()),
-            TrackingEvent::Length(found) => messages.note(&describe_length(found)),
-            TrackingEvent::Refined(camera, seen) => messages.note(&describe_refined(camera, seen)),
+            TrackingEvent::Tracked(clip, tracked) => report_tracked(&clip, &tracked, messages),
+            TrackingEvent::Failed(clip, error) => messages.frame_failed(&name_of(&clip), &error.to_string()),
+            TrackingEvent::Length(found) => messages.note(&describe_length(&found)),
+            TrackingEvent::Refined(camera, seen) => messages.note(&describe_refined(&camera, &seen)),
             TrackingEvent::NoBetter { kept, refined } => {
                 let [kept, refined] = [kept, refined].map(|confidence| 100.0 * confidence);
                 messages.note(&format!(
@@ -170,10 +171,9 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
 }
 
 /// A clip by its first and its last picture.
-fn name_of(clip: &ClipFrames) -> String {
+fn name_of(clip: &ClipSpan) -> String {
     let file_name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    let (Some(first), Some(last)) = (clip.frames.first(), clip.frames.last()) else { return String::new() };
-    match (&first.source, &last.source) {
+    match (&clip.first, &clip.last) {
         (FrameRef::Video { path, index }, FrameRef::Video { index: last, .. }) => {
             format!("{} frames {index} to {last}", file_name(path))
         }
@@ -182,7 +182,7 @@ fn name_of(clip: &ClipFrames) -> String {
     }
 }
 
-fn report_tracked(clip: &ClipFrames, tracked: &TrackedClip, messages: Messages) {
+fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
     let name = name_of(clip);
     messages.note(&format!(
         "{name}: {} frames carried, {} held to their painted lines, points {:.2} px, widened {:.1} times",

@@ -9,10 +9,8 @@ use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use touchline_calibration::proposals::{
-    FramePictures, LearnOptions, QualityProgress, TrainingFrames, WRONG_PX, learn, measure, study,
-};
-use touchline_core::progress::Progress;
+use touchline_calibration::proposals::{FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study};
+use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::{Detector, FeatureOptions};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::{CameraForest, RelocalizeOptions, TrainOptions, TrainProgress};
@@ -117,7 +115,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let mut model = model?;
     let bar = messages.progress(0, "Asking for references left out");
-    let asking = Progress::new(|progress: QualityProgress| {
+    let asking = Progress::new(|progress: Share| {
         bar.set_length(progress.of as u64);
         bar.set_position(progress.done as u64);
         ControlFlow::Continue(())

@@ -389,7 +389,7 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// How far an export has come; a click shows its dialog, which can stop it.
 fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(running) = panel.app.operations.transfer.writing() else { return };
-    let far = running.progress().map(|far| format!(" {:.0} %", (100.0 * far.share()).floor())).unwrap_or_default();
+    let far = running.progress().map(|far| format!(" {:.0} %", (100.0 * far.fraction()).floor())).unwrap_or_default();
     let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(ui.palette().weak)).frame(false));
     if says.on_hover_text("An export is being written. Click to show it.").clicked() {
         panel.actions.push(Action::Command(Command::Export));

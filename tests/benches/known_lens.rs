@@ -11,7 +11,6 @@
 use image::codecs::jpeg::JpegEncoder;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use touchline::calibrate::{ClipEvidence, TrackClipOptions, clips, track_clip};
@@ -20,6 +19,7 @@ use touchline::document::{Document, FieldSize, FieldSpec, Frame};
 use touchline::exchange::{Format, ImportOptions, import};
 use touchline::geometry::{ImageSize, Mat3};
 use touchline::media::FrameReader;
+use touchline::progress::Progress;
 use touchline::synthetic::{PathStep, Preset, ShootOptions, StadiumOptions, camera_path, stadium};
 
 /// The pictures of the set.
@@ -126,8 +126,8 @@ impl Clip {
         let clip = &clips(at, None)[0];
         let mut reader = FrameReader::new();
         let mut evidence = ClipEvidence::default();
-        let mut watch = |_| ControlFlow::Continue(());
-        let tracked = track_clip(at, clip, &field, &mut reader, options, &mut evidence, &mut watch).unwrap();
+        let progress = Progress::default();
+        let tracked = track_clip(at, clip, &field, &mut reader, options, &mut evidence, &progress).unwrap();
         let mut errors = Errors { missed: tracked.missed.len(), ..Errors::default() };
         for frame in &tracked.frames {
             let base = self.document.frames[frame.place].base_from(&tracked.base);

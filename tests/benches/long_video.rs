@@ -11,6 +11,7 @@ use touchline::document::{
 };
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::progress::Progress;
 use touchline::store::{Location, open, write_document};
 
 const FRAMES: usize = 300_000;
@@ -183,7 +184,7 @@ fn lookup_after_an_edit(bencher: Bencher, state: State) {
 #[divan::bench(args = STATES, sample_count = 1)]
 fn solve(bencher: Bencher, state: State) {
     let document = document(state);
-    bencher.bench_local(|| solve_document(&mut document.clone(), Path::new("."), &|| ()).unwrap());
+    bencher.bench_local(|| solve_document(&mut document.clone(), Path::new("."), &Progress::default()).unwrap());
 }
 
 /// What `touchline check` looks for in the clicks.

@@ -7,14 +7,17 @@ use sha2::{Digest, Sha256};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex};
 use touchline::app::operations::{FoundShots, ShotSearch};
 use touchline::document::ShotKind;
 use touchline::geometry::ImageSize;
 use touchline::media::{
-    FrameClock, FrameReader, FrameRef, FrameSource, MediaError, Notice, Picture, Video, VideoBackend, VideoInfo,
+    CountProgress, FrameClock, FrameReader, FrameRef, FrameSource, MediaError, Notice, Picture, Video, VideoBackend,
+    VideoInfo,
 };
+use touchline::progress::Progress;
 
 pub const TESTS: &[Test] = tests![
     [Ffmpeg] a_number_means_one_picture_in_every_container;
@@ -81,7 +84,7 @@ fn frame(video: &mut Video, index: usize) -> PixelDigest {
 fn assert_numbers_hold(path: &Path, random_frames: usize) -> Video {
     let mut videos: Vec<Video> = VideoBackend::available()
         .map(|backend| {
-            let video = Video::open_with(path, backend, &mut |_| ControlFlow::Continue(())).unwrap();
+            let video = Video::open_with(path, backend, &Progress::default()).unwrap();
             assert_numbers_hold_in(video, backend, random_frames)
         })
         .collect();
@@ -232,31 +235,39 @@ fn one_frame_left_out_of_thousands_does_not_shift_those_behind_it() {
     }
 }
 
+/// A progress that goes on, and the number of its reports.
+fn count_reports() -> (Progress<'static, CountProgress>, Arc<AtomicUsize>) {
+    let reports = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&reports);
+    let progress = Progress::new(move |_| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    });
+    (progress, reports)
+}
+
 fn a_video_is_examined_again_only_where_its_file_has_changed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("gap.mkv");
     let gap = "-vf select='not(between(n,40,44))' -vsync vfr -c:v libx264 -g 50";
     ffmpeg(folder.path(), &format!("{CARD} {gap} gap.mkv"));
     // Every frame of an uneven video is visited, and that is told.
-    let mut told = 0;
-    let open = |told: &mut usize| {
-        let watch = &mut |_| {
-            *told += 1;
-            ControlFlow::Continue(())
-        };
-        Video::open_watched(&path, watch).unwrap()
+    let open = || {
+        let (counting, told) = count_reports();
+        (Video::open_with_progress(&path, &counting).unwrap(), told.load(Ordering::Relaxed))
     };
-    let info = open(&mut told).info().clone();
+    let (first, told) = open();
+    let info = first.info().clone();
     assert!(told > 0 && info.decoded_frames == 145, "{told} {info:?}");
-    told = 0;
-    let mut again = open(&mut told);
+    let (mut again, told) = open();
     assert_eq!((told, again.info()), (0, &info));
     let backend = VideoBackend::available().next().unwrap();
     assert_eq!(frame(&mut again, 100), played(&path, backend, info.size)[100]);
     // Whoever ends it leaves nothing half known.
     ffmpeg(folder.path(), &format!("{CARD} {gap} -frames:v 120 gap.mkv"));
-    assert!(matches!(Video::open_watched(&path, &mut |_| ControlFlow::Break(())), Err(MediaError::Stopped { .. })));
-    assert_eq!(open(&mut told).info().decoded_frames, 120);
+    let impatient = Progress::new(|_| ControlFlow::Break(()));
+    assert!(matches!(Video::open_with_progress(&path, &impatient), Err(MediaError::Stopped { .. })));
+    assert_eq!(open().0.info().decoded_frames, 120);
 }
 
 fn who_waits_for_a_video_is_told_and_may_give_up() {
@@ -268,25 +279,28 @@ fn who_waits_for_a_video_is_told_and_may_give_up() {
     let path = path.as_path();
     std::thread::scope(|threads| {
         let first = threads.spawn(move || {
-            let watch = &mut |_| {
+            let paused = Mutex::new(paused);
+            let progress = Progress::new(move |_| {
                 counting.send(()).unwrap();
-                paused.recv().unwrap_or_default();
+                paused.lock().unwrap().recv().unwrap_or_default();
                 ControlFlow::Continue(())
-            };
-            Video::open_watched(path, watch).map(|video| video.info().decoded_frames)
+            });
+            Video::open_with_progress(path, &progress).map(|video| video.info().decoded_frames)
         });
         begun.recv().unwrap();
-        let mut told = Vec::new();
-        let waiting = Video::open_watched(path, &mut |progress| {
-            told.push(progress.counted);
+        let told = Mutex::new(Vec::new());
+        let impatient = Progress::new(|step: CountProgress| {
+            told.lock().unwrap().push(step.counted);
             ControlFlow::Break(())
         });
+        let waiting = Video::open_with_progress(path, &impatient);
         assert!(matches!(waiting, Err(MediaError::Stopped { .. })));
+        let told = told.lock().unwrap();
         assert!(told.len() == 1 && told[0] > 0, "{told:?}");
         drop(go_on);
         assert_eq!(first.join().unwrap().unwrap(), 145);
     });
-    let known = Video::open_watched(path, &mut |_| panic!("examined again"));
+    let known = Video::open_with_progress(path, &Progress::new(|_| panic!("examined again")));
     assert_eq!(known.unwrap().info().decoded_frames, 145);
 }
 
@@ -297,12 +311,9 @@ fn the_times_of_an_uneven_mp4_are_read_from_its_table() {
     ffmpeg(folder.path(), "-i gap.mp4 -c copy -movflags frag_keyframe+empty_moov fragmented.mp4");
     ffmpeg(folder.path(), "-i gap.mp4 -c copy gap.mkv");
     let visited = |name: &str| {
-        let mut told = 0;
-        let video = Video::open_watched(&folder.path().join(name), &mut |_| {
-            told += 1;
-            ControlFlow::Continue(())
-        });
-        (video.unwrap().info().clone(), told)
+        let (counting, told) = count_reports();
+        let video = Video::open_with_progress(&folder.path().join(name), &counting);
+        (video.unwrap().info().clone(), told.load(Ordering::Relaxed))
     };
     let (by_table, told) = visited("gap.mp4");
     assert_eq!((by_table.decoded_frames, told), (145, 0));
@@ -339,7 +350,7 @@ fn a_video_on_its_side_is_turned_upright() {
     assert!(turned);
     // OpenCV before 4.7 turns what ffmpeg 5 writes the other way, against every player.
     let path = folder.path().join("turned.mp4");
-    let turned = Video::open_with(&path, VideoBackend::Ffmpeg, &mut |_| ControlFlow::Continue(())).unwrap();
+    let turned = Video::open_with(&path, VideoBackend::Ffmpeg, &Progress::default()).unwrap();
     let mut turned = assert_numbers_hold_in(turned, VideoBackend::Ffmpeg, 5);
     assert_eq!(turned.info().size, ImageSize::new(90, 160));
     // Which way it is turned differs between the versions of ffmpeg that make it; the picture has to agree with what is said.
@@ -369,7 +380,7 @@ fn pixels_that_are_not_square_are_said() {
 /// The cuts of a video, as the window looks for them.
 fn cuts(path: &Path) -> FoundShots {
     let search = ShotSearch { video: "match.mp4".to_owned(), path: path.to_path_buf(), num_below: 0 };
-    search.look(&mut FrameReader::new(), &mut |_| ControlFlow::Continue(())).unwrap()
+    search.look(&mut FrameReader::new(), &Progress::default()).unwrap()
 }
 
 fn the_cuts_of_a_video_are_found() {

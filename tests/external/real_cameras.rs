@@ -40,7 +40,7 @@ fn three_matches() -> Document {
             all.frames.push(frame.into());
         }
     }
-    solve_document(&mut all, Path::new("."), &|| ()).unwrap();
+    solve_document(&mut all, Path::new("."), &Progress::default()).unwrap();
     all
 }
 
@@ -89,7 +89,7 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
     for frame in &mut document.frames {
         frame.camera = first.clone();
     }
-    solve_document(&mut document, Path::new("."), &|| ()).unwrap();
+    solve_document(&mut document, Path::new("."), &Progress::default()).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let change =
         camera_change(&document, &FrameLookup::of(&document), &first, &fields.of_cameras(&document)[0]).unwrap();

@@ -15,6 +15,7 @@ use touchline::document::{
 use touchline::geometry::rotation::nearest_rotation;
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
+use touchline::progress::Progress;
 use touchline::store::read;
 
 pub const TESTS: &[Test] = tests![
@@ -48,7 +49,7 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
     };
     let frames = [frame(10, Some(0.4)), frame(10, None), frame(816, None), frame(817, None), frame(10, Some(0.48))];
     document.frames = frames.into_iter().collect();
-    let problems = check_pictures(document.at(&data.join("video-soccer")), &|| {});
+    let problems = check_pictures(document.at(&data.join("video-soccer")), &Progress::default());
     let said: Vec<_> = problems.iter().map(Problem::to_string).collect();
     let expected = [
         "frames[3] (match.mp4#817): the video has 817 frames, numbered from 0; there is no frame 817",

@@ -9,9 +9,8 @@ use std::path::Path;
 use touchline::camera::PtzCamera;
 use touchline::document::{Document, document_from_bytes};
 use touchline::markings::LineVerdict;
-use touchline::media::FrameReader;
 use touchline::paint::{GroundPicture, SnapOptions, check_lines, snap};
-use touchline::proposals::read_picture;
+use touchline::proposals::PictureStream;
 
 pub const TESTS: &[Test] = tests![
     [Frames] right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood;
@@ -31,10 +30,9 @@ fn right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood() {
     let place = tempfile::tempdir().unwrap();
     let document = clicked_court(place.path());
     let field = document.field.model(place.path()).unwrap();
-    let mut reader = FrameReader::new();
     let mut back = 0;
-    for frame in &document.frames {
-        let picture = read_picture(&mut reader, frame, place.path()).unwrap();
+    for shown in PictureStream::new(document.at(place.path()), 0..document.frames.len()) {
+        let (frame, picture) = (shown.frame, shown.picture.unwrap());
         let ground = GroundPicture::new(&picture, &document.masks_of(frame));
         assert!(!ground.surface().is_turf(), "{}", frame.name());
         let camera = document.pointed(frame).unwrap();

@@ -4,13 +4,13 @@
 use crate::program::touchline;
 use std::collections::BTreeSet;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::Path;
-use touchline::autocalibrate::{UnclickedAnswer, camera_without_clicks};
+use touchline::autocalibrate::{AutocalibrationAnswer, camera_without_clicks};
 use touchline::calibrate::record_found;
 use touchline::document::{Click, Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::geometry::ImagePoint;
 use touchline::media::FrameReader;
+use touchline::progress::Progress;
 use touchline::proposals::read_picture;
 
 fn document(path: &Path) -> Document {
@@ -46,9 +46,8 @@ fn without_a_click(folder: &Path) -> String {
     let mut reader = FrameReader::new();
     let mut picture = |index: usize| read_picture(&mut reader, &clicked.frames[index], folder).ok();
     let camera = clicked.cameras[0].id.clone();
-    let answer =
-        camera_without_clicks(clicked.at(folder), &camera, 40, &mut picture, &|_| ControlFlow::Continue(())).unwrap();
-    let UnclickedAnswer::Found(found) = answer else { panic!("{answer:?}") };
+    let answer = camera_without_clicks(clicked.at(folder), &camera, 40, &mut picture, &Progress::default()).unwrap();
+    let AutocalibrationAnswer::Found(found) = answer else { panic!("{answer:?}") };
     let mut written = bare;
     record_found(&mut written, &camera, &found);
     document_to_string(&written).unwrap()

@@ -8,9 +8,10 @@ use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;
 use std::time::Duration;
 use touchline::app::session::SidePanel;
-use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerReport, TrainerStatus, UnusableReference};
+use touchline::app::{Action, Command, Doing, ForestFacts, TrainerReport, TrainerStatus, UnusableReference};
 use touchline::document::Document;
 use touchline::geometry::{Angle, AngleRange};
+use touchline::progress::Share;
 use touchline::proposals::{Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality, TrainingSampleError};
 
 pub const TESTS: &[Test] = tests![

@@ -5,6 +5,7 @@ use std::time::Duration;
 use touchline_calibration::proposals::{
     CarriedProposal, Coverage, Proposal, Quality, Suspect, TrainingSampleError, UsedFeatures,
 };
+use touchline_core::progress::Share;
 use touchline_documents::document::{Document, FrameId};
 
 /// What the app knows of the trainer.
@@ -90,15 +91,6 @@ pub enum Doing {
     Paused,
 }
 
-/// How far something has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Share {
-    /// The part that is done.
-    pub done: usize,
-    /// The whole.
-    pub of: usize,
-}
-
 /// The forest that answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ForestFacts {
@@ -129,14 +121,6 @@ pub enum TrainerOrder {
     Pause(bool),
     /// Proposals are snapped to the painted lines before they are shown, or left as the forest gives them.
     Snap(bool),
-}
-
-impl Share {
-    /// From 0 to 1.
-    #[must_use]
-    pub fn fraction(self) -> f32 {
-        if self.of == 0 { 0.0 } else { (self.done as f32 / self.of as f32).min(1.0) }
-    }
 }
 
 impl Doing {

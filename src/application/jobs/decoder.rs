@@ -92,8 +92,9 @@ impl Decoder {
     pub fn spawn(options: DecoderOptions, wake: Wake) -> io::Result<Self> {
         let pictures = SharedPictures::new(options.cache_bytes);
         let shared = pictures.clone();
-        let make_reader: MakeReader =
-            Box::new(move |watch| Box::new(SharedReader::new(Box::new(FrameReader::watched(watch)), shared.clone())));
+        let make_reader: MakeReader = Box::new(move |counting| {
+            Box::new(SharedReader::new(Box::new(FrameReader::with_progress(counting)), shared.clone()))
+        });
         Self::sharing(pictures, wake, make_reader)
     }
 

@@ -2,35 +2,37 @@
 
 use super::JobError;
 use super::drawn_match::{DrawnPicture, MatchOrder, draw_match};
-use super::opening::{OpenWatch, user_projects};
+use super::opening::user_projects;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use touchline_core::progress::Progress;
 use touchline_documents::store::{Location, PROJECT_FILE, Store};
 use touchline_vision::media::MediaError;
 
 /// The user's copy of the demo match. It is made when there is none yet: from the one that came with the program, or else drawn.
 ///
 /// # Errors
-/// It cannot be written, or `watch` ended it.
-pub fn fresh_copy(watch: OpenWatch<'_>) -> Result<PathBuf, JobError> {
+/// It cannot be written, or `progress` cancelled it.
+pub fn fresh_copy(progress: &Progress<'_, String>) -> Result<PathBuf, JobError> {
     let own = user_projects().ok_or(JobError::NoUserFolder)?.join("demo");
     if own.join(PROJECT_FILE).exists() {
         return Ok(own);
     }
     match delivered() {
         Some(folder) => copy_folder(&folder, &own).map_err(JobError::io(&own))?,
-        None => draw(&MatchOrder::demo(), &own, watch)?,
+        None => draw(&MatchOrder::demo(), &own, progress)?,
     }
     Ok(own)
 }
 
 /// Draws a match into a folder. Its project comes last: as long as it is not there, the match is drawn again.
-fn draw(order: &MatchOrder, folder: &Path, watch: OpenWatch<'_>) -> Result<(), JobError> {
+fn draw(order: &MatchOrder, folder: &Path, progress: &Progress<'_, String>) -> Result<(), JobError> {
     std::fs::create_dir_all(folder.join("images")).map_err(JobError::io(folder))?;
     let drawn = draw_match(order, &mut |picture: DrawnPicture| {
         let file = folder.join(&picture.image);
         std::fs::write(&file, &picture.jpeg).map_err(JobError::io(&file))?;
-        match watch(format!("Drawing the demo match: {} of {} frames…", picture.index + 1, picture.of)) {
+        let step = format!("Drawing the demo match: {} of {} frames…", picture.index + 1, picture.of);
+        match progress.report(step) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(JobError::from(MediaError::Stopped { path: folder.to_path_buf() })),
         }
@@ -91,15 +93,16 @@ mod tests {
     fn without_a_demo_beside_the_program_one_is_drawn_that_opens_and_can_be_stopped() {
         let place = tempfile::tempdir().unwrap();
         let order = MatchOrder { frames: 3, image_size: ImageSize::new(320, 180), ..MatchOrder::demo() };
-        let stopped = draw(&order, place.path(), &|_| ControlFlow::Break(()));
+        let stopped = draw(&order, place.path(), &Progress::new(|_| ControlFlow::Break(())));
         assert!(matches!(stopped, Err(JobError::Media(MediaError::Stopped { .. }))), "{stopped:?}");
         assert!(!place.path().join(PROJECT_FILE).exists());
         let told = std::sync::Mutex::new(Vec::new());
-        draw(&order, place.path(), &|text| {
+        let progress = Progress::new(|text| {
             told.lock().unwrap().push(text);
             ControlFlow::Continue(())
-        })
-        .unwrap();
+        });
+        draw(&order, place.path(), &progress).unwrap();
+        drop(progress);
         assert_eq!(told.into_inner().unwrap().last().unwrap(), "Drawing the demo match: 3 of 3 frames…");
         let (_, document, _) = touchline_documents::store::read(place.path()).unwrap();
         assert_eq!(document.frames.len(), 3);

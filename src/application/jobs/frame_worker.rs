@@ -7,16 +7,14 @@ use std::io;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use touchline_core::progress::Progress;
 use touchline_vision::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
 
 /// How many reports may wait to be fetched before the worker pauses.
 const MAX_REPORTS: usize = 32;
 
-/// Makes the reader of a worker's thread, again after a panic. The watch decides whether a long count goes on.
-pub(super) type MakeReader = Box<dyn Fn(CountWatch) -> Box<dyn ReadFrames> + Send>;
-
-/// Asked now and then during a long count.
-pub(super) type CountWatch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
+/// Makes the reader of a worker's thread, again after a panic. The progress decides whether a long count goes on.
+pub(super) type MakeReader = Box<dyn Fn(Progress<'static, CountProgress>) -> Box<dyn ReadFrames> + Send>;
 
 /// A thread that reads frames. Dropping it stops and joins the thread.
 pub(super) struct FrameWorker {
@@ -78,7 +76,7 @@ struct WorkerThread<'a> {
 
 impl WorkerThread<'_> {
     fn work(self) {
-        let mut reader = (self.make_reader)(self.watch());
+        let mut reader = (self.make_reader)(self.counting());
         while let Some(frame) = self.next() {
             match catch_unwind(AssertUnwindSafe(|| (reader.read(&frame), reader.take_notices()))) {
                 Ok((result, notices)) => {
@@ -88,7 +86,7 @@ impl WorkerThread<'_> {
                     self.finish(frame, result);
                 }
                 Err(payload) => {
-                    reader = (self.make_reader)(self.watch());
+                    reader = (self.make_reader)(self.counting());
                     let report = WorkReport::Panicked(frame, panic_message(payload.as_ref()));
                     self.mailbox.report_done(report, FrameOrders::finish);
                 }
@@ -120,9 +118,10 @@ impl WorkerThread<'_> {
         }
     }
 
-    fn watch(&self) -> CountWatch {
+    /// Shows how far a count has come, and cancels it where nobody waits for the frame any more.
+    fn counting(&self) -> Progress<'static, CountProgress> {
         let mailbox = Arc::clone(self.mailbox);
-        Box::new(move |progress| {
+        Progress::new(move |progress| {
             if mailbox.is_closing() || !mailbox.look(FrameOrders::is_reading_wanted) {
                 return ControlFlow::Break(());
             }

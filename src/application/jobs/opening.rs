@@ -5,9 +5,9 @@ use crate::app::Opened;
 use crate::app::session::Level;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store::{self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read};
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
@@ -18,9 +18,6 @@ const MOST_FRAMES: usize = 20_000;
 const REPORT_EVERY: usize = 50;
 /// The field of a project that is made by opening frames.
 const DEFAULT_FIELD: &str = "soccer";
-
-/// Told in words how far the opening has come; may end it.
-pub type OpenWatch<'a> = &'a (dyn Fn(String) -> ControlFlow<()> + Sync);
 
 /// A document as the app gets it, and the way to write it, if there is one.
 #[derive(Debug)]
@@ -35,8 +32,8 @@ pub struct Ready {
 /// that cannot be written in the user's data folder. `held` is what this window has open: it is not opened again.
 ///
 /// # Errors
-/// It is not there, cannot be read or made, is open here already, or `watch` ended it.
-pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>) -> Result<Ready, JobError> {
+/// It is not there, cannot be read or made, is open here already, or `progress` cancelled it; its steps are words for the user.
+pub fn open_anything(path: &Path, held: Option<&Location>, progress: &Progress<'_, String>) -> Result<Ready, JobError> {
     if !path.exists() {
         return Err(JobError::Missing { path: path.to_path_buf() });
     }
@@ -49,20 +46,21 @@ pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>)
     if let Some(folder) = find_project(&path) {
         return open_document(&folder, held, Vec::new());
     }
-    let mut counting = |progress: CountProgress| watch(format!("Counting frames: {}…", progress.counted));
-    let source = FrameSource::open_watched(&path, &mut counting)?;
+    let counting = progress.part(|step: CountProgress| format!("Counting frames: {}…", step.counted));
+    let source = FrameSource::open_with_progress(&path, &counting)?;
     let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
     let read = AtomicUsize::new(0);
     let mut refused = None;
     for folder in project_folders(&path) {
-        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &|| {
+        let reading = Progress::new(|()| {
             let read = read.fetch_add(1, Ordering::Relaxed) + 1;
             if read.is_multiple_of(REPORT_EVERY) {
-                // Stopping is looked at when all are read: hashing a folder takes seconds.
-                let _ = watch(format!("Reading frames: {read} of {}…", source.len()));
+                return progress.report(format!("Reading frames: {read} of {}…", source.len()));
             }
+            progress.check()
         });
-        if watch("Writing the project…".to_owned()).is_break() {
+        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &reading);
+        if progress.report("Writing the project…".to_owned()).is_break() {
             return Err(MediaError::Stopped { path }.into());
         }
         let said = source.notices().iter().map(ToString::to_string);
@@ -179,9 +177,10 @@ fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ops::ControlFlow;
 
     fn open(path: &Path) -> Result<Ready, JobError> {
-        open_anything(path, None, &|_| ControlFlow::Continue(()))
+        open_anything(path, None, &Progress::default())
     }
 
     #[test]
@@ -218,7 +217,8 @@ mod tests {
         let old = old_place(&projects, &red);
         assert_eq!(old, old_place(&projects, &blue));
         let source = FrameSource::open(&red).unwrap();
-        let made = document_from_frames(&source, &old, FieldSpec::new(DEFAULT_FIELD), NonZeroUsize::MIN, &|| {});
+        let made =
+            document_from_frames(&source, &old, FieldSpec::new(DEFAULT_FIELD), NonZeroUsize::MIN, &Progress::default());
         write_project(&old, &made.document).unwrap();
         assert!(is_of_frames(&old, &red) && !is_of_frames(&old, &blue));
     }
@@ -243,7 +243,7 @@ mod tests {
         let frames = root.path().join("frames");
         std::fs::create_dir(&frames).unwrap();
         image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
-        assert!(open_anything(&frames, None, &|_| ControlFlow::Break(())).is_err());
+        assert!(open_anything(&frames, None, &Progress::new(|_| ControlFlow::Break(()))).is_err());
         assert!(!root.path().join("frames.touchline").exists());
     }
 }

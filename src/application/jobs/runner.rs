@@ -12,6 +12,7 @@ use crate::app::{Action, DiskReport, Effect, Opening, OrphanOrder, Question, Sna
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
+use touchline_core::progress::Progress;
 use touchline_documents::store::{Location, Orphan, put_orphan_away, read_orphan, save_orphan};
 
 /// What is left for the window to do.
@@ -306,12 +307,12 @@ impl Runner {
         }
         let held = self.held.clone();
         self.begin("open", Kind::Opening, move |watch| {
-            let tell = |text| watch.tell(Action::Disk(DiskReport::Progress(text)));
+            let progress = Progress::new(|text| watch.tell(Action::Disk(DiskReport::Progress(text))));
             let path = match opening {
                 Opening::Path(path) | Opening::Again(path) => path,
-                Opening::Demo => demo::fresh_copy(&tell)?,
+                Opening::Demo => demo::fresh_copy(&progress)?,
             };
-            open_anything(&path, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
+            open_anything(&path, held.as_ref(), &progress).map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
 

@@ -1,12 +1,12 @@
 //! A reader of frames for tests: it reports what it starts and continues when the test lets it.
 
 use super::Wake;
-use super::frame_worker::{CountWatch, MakeReader};
-use std::ops::ControlFlow;
+use super::frame_worker::MakeReader;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use touchline_core::geometry::ImageSize;
+use touchline_core::progress::Progress;
 use touchline_vision::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
 
 /// The test's end of a stand-in.
@@ -74,14 +74,14 @@ pub(super) fn stand_in() -> (MakeReader, Wake, Controller) {
     let (wake, woken) = channel();
     let orders = Arc::new(Mutex::new(orders));
     let make: MakeReader =
-        Box::new(move |watch| Box::new(StandIn { begin: begin.clone(), orders: Arc::clone(&orders), watch }));
+        Box::new(move |counting| Box::new(StandIn { begin: begin.clone(), orders: Arc::clone(&orders), counting }));
     (make, Arc::new(move || wake.send(()).unwrap_or_default()), Controller { begun, go, woken })
 }
 
 struct StandIn {
     begin: Sender<usize>,
     orders: Arc<Mutex<Receiver<Reply>>>,
-    watch: CountWatch,
+    counting: Progress<'static, CountProgress>,
 }
 
 impl ReadFrames for StandIn {
@@ -96,8 +96,8 @@ impl ReadFrames for StandIn {
             Reply::Panic => panic!("frame {index} is cursed"),
             Reply::Count => {
                 let progress = |counted| CountProgress { path: Arc::clone(path), counted, stated: 9 };
-                let mut counted = 0;
-                while (self.watch)(progress(counted)) == ControlFlow::Continue(()) {
+                let (counting, mut counted) = (self.counting.renew(), 0);
+                while counting.report(progress(counted)).is_continue() {
                     counted += 1;
                     std::thread::yield_now();
                 }

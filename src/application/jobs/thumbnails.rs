@@ -63,14 +63,15 @@ impl Thumbnails {
     /// The operating system gives no thread.
     pub fn spawn(decoder: &Decoder, wake: Wake) -> io::Result<Self> {
         let pictures = decoder.pictures();
-        let make_reader: MakeReader =
-            Box::new(move |watch| Box::new(SharedReader::new(Box::new(FrameReader::watched(watch)), pictures.clone())));
+        let make_reader: MakeReader = Box::new(move |counting| {
+            Box::new(SharedReader::new(Box::new(FrameReader::with_progress(counting)), pictures.clone()))
+        });
         Self::with_reader(decoder, wake, make_reader)
     }
 
     /// Starts a maker that reads frames in a way of its own.
     pub(super) fn with_reader(decoder: &Decoder, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
-        let make_small: MakeReader = Box::new(move |watch| Box::new(SmallReader { full: make_reader(watch) }));
+        let make_small: MakeReader = Box::new(move |counting| Box::new(SmallReader { full: make_reader(counting) }));
         Ok(Self {
             worker: FrameWorker::spawn("thumbnails", wake, Some(decoder.worker()), make_small)?,
             asked: Vec::new(),

@@ -10,11 +10,11 @@ use touchline_application::app::{
     Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
 };
 use touchline_application::jobs::SharedPictures;
-use touchline_calibration::calibrate::{BulkChange, BulkError, BulkProgress, BulkSolve};
+use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
 };
@@ -100,7 +100,7 @@ fn is_solved_for(document: &Document, index: usize, height: f64) -> bool {
         camera.set_base(&base(height));
         camera.into()
     };
-    touchline_calibration::calibrate::solve_document(&mut alone, "/match".as_ref(), &|| ()).unwrap();
+    touchline_calibration::calibrate::solve_document(&mut alone, "/match".as_ref(), &Progress::default()).unwrap();
     let [known, wanted] = [frame, &alone.frames[0]].map(|frame| frame.ptz.as_ref().unwrap().ptz());
     (known.tilt - wanted.tilt).abs().degrees() < 1e-6 && (known.focal_px - wanted.focal_px).abs() < 1e-3
 }
@@ -166,7 +166,7 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
         change: BulkChange::Numbers(Box::new(numbers.clone())),
     };
     let told = Mutex::new(Vec::new());
-    let all = Progress::new(|progress: BulkProgress| {
+    let all = Progress::new(|progress: Share| {
         told.lock().unwrap().push(progress.done);
         ControlFlow::Continue(())
     });
@@ -176,7 +176,7 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
     told.sort_unstable();
     assert_eq!(told, (1..=FRAMES).collect::<Vec<_>>(), "each frame once");
     let some = Progress::new(
-        |progress: BulkProgress| {
+        |progress: Share| {
             if progress.done > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         },
     );

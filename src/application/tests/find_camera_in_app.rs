@@ -9,8 +9,10 @@ use touchline_application::app::operations::CameraSearch;
 use touchline_application::app::operations::camera_search::Left;
 use touchline_application::app::session::{Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
-use touchline_calibration::autocalibrate::{Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedProgress};
-use touchline_calibration::calibrate::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
+use touchline_calibration::autocalibrate::{
+    Abstention, AutocalibrationAnswer, AutocalibrationProgress, DecidingLandmark, Doubt,
+};
+use touchline_calibration::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::{Click, Document, FrameStatus, SolutionSource};
@@ -29,19 +31,19 @@ fn ptz(frame: usize) -> Ptz {
 }
 
 /// The camera of the drawn truth moved sideways, over a flat field as the truth, found from all but the last frame.
-fn found(frames: usize, sideways_m: f64) -> UnclickedCamera {
+fn found(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
     let known = base();
     let sigma = BaseSigma { position_m: Vec3::new(0.3, 0.4, 0.0), ..known.sigma };
     let base = CameraBase { position_m: known.position_m + Vec3::new(sideways_m, 0.0, 0.0), sigma, ..known };
     let frames = (0..frames - 1)
-        .map(|index| UnclickedFrame { index, ptz: ptz(index), uncertainty: None, snapped: None })
+        .map(|index| AutocalibratedFrame { index, ptz: ptz(index), uncertainty: None, snapped: None })
         .collect();
     let field = touchline_core::field::builtin("soccer").unwrap().default_model().unwrap();
-    let evidence = UnclickedEvidence::default();
-    UnclickedCamera { base, field, sizes: Vec::new(), frames, others: Vec::new(), paint: Vec::new(), evidence }
+    let evidence = AutocalibrationEvidence::default();
+    AutocalibratedCamera { base, field, sizes: Vec::new(), frames, others: Vec::new(), paint: Vec::new(), evidence }
 }
 
-fn report(bench: &mut Bench, answer: UnclickedAnswer) {
+fn report(bench: &mut Bench, answer: AutocalibrationAnswer) {
     bench.report_end::<CameraSearch>(Ok(answer));
 }
 
@@ -60,14 +62,14 @@ fn it_is_offered_where_a_base_is_missing_and_tells_what_it_is_at() {
     let search = bench.started::<CameraSearch>();
     assert_eq!(bench.app.operations.camera_search.running().unwrap().camera.as_str(), "main");
     assert!(bench.app.why_not(Command::FindCamera).is_some(), "one at a time");
-    bench.report_progress::<CameraSearch>(UnclickedProgress::Tying { done: 212, of: 480 });
+    bench.report_progress::<CameraSearch>(AutocalibrationProgress::Tying { done: 212, of: 480 });
     let said = next_step(&bench.app);
     assert_eq!(said.text, "Finding the camera: matching pairs of frames, 212 of 480…");
     assert_eq!(said.offers, [("Stop", Command::StopFindCamera)]);
     bench.command(Command::StopFindCamera);
     assert!(search.is_cancelled() && bench.app.why_not(Command::FindCamera).is_none());
     // What arrives of it all the same is passed over.
-    report(&mut bench, UnclickedAnswer::Found(found(5, 0.0).into()));
+    report(&mut bench, AutocalibrationAnswer::Found(found(5, 0.0).into()));
     assert!(!has_base(&bench.app));
 }
 
@@ -88,7 +90,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         bench.act(Action::Pointer(PointerAction::Release));
     }
     bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(100.0, 100.0), on: None }));
-    report(&mut bench, UnclickedAnswer::Found(found(5, 0.0).into()));
+    report(&mut bench, AutocalibrationAnswer::Found(found(5, 0.0).into()));
     assert!(!has_base(&bench.app), "a drag is not cut in two");
     bench.command(Command::Cancel);
     bench.act(Action::Pointer(PointerAction::Release));
@@ -143,7 +145,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
         ),
     ] {
         bench.command(Command::FindCamera);
-        report(&mut bench, UnclickedAnswer::Abstained(why));
+        report(&mut bench, AutocalibrationAnswer::Abstained(why));
         assert_eq!(bench.last_notice(), says);
         let left = &bench.app.operations.camera_search.left;
         assert!(matches!(left, Left::Abstained { why, .. } if why == says));
@@ -166,7 +168,7 @@ fn of_two_answers_each_can_be_tried_and_undone() {
     };
     let two = |deciding| {
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
-        UnclickedAnswer::Two { best, other, deciding }
+        AutocalibrationAnswer::Two { best, other, deciding }
     };
     report(&mut bench, two(Some(deciding)));
     assert!(!has_base(&bench.app), "none is given");
@@ -198,7 +200,7 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
             image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
         };
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
-        report(&mut bench, UnclickedAnswer::Two { best, other, deciding: Some(deciding) });
+        report(&mut bench, AutocalibrationAnswer::Two { best, other, deciding: Some(deciding) });
         bench.act(Action::Navigate(Navigation::GoTo(3)));
         bench
             .act(Action::Edit(EditAction::Pick(touchline_documents::document::Target::Landmark("halfway_far".into()))));

@@ -22,6 +22,7 @@ use touchline_application::app::{
 use touchline_calibration::calibrate::{check_solutions, solve_document};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Click, Document, Frame, FrameStatus, document_from_bytes, document_to_string};
 
 const FRAMES: usize = 4;
@@ -202,7 +203,7 @@ impl World {
             0 => {
                 let moved = Vec3::new(self.random.random_range(-3.0..3.0), -62.0, 17.0);
                 document.cameras[0].set_base(&CameraBase { position_m: moved, ..base() });
-                solve_document(&mut document, self.folder.path(), &|| {}).unwrap();
+                solve_document(&mut document, self.folder.path(), &Progress::default()).unwrap();
             }
             1 => click(&mut document, frame),
             _ => {}

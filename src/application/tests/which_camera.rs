@@ -91,7 +91,7 @@ fn document_of(frames: usize, before: usize, other: &CameraBase, noise_px: f64, 
 }
 
 fn solve(document: &mut Document) {
-    solve_document(document, Path::new("."), &|| ()).unwrap();
+    solve_document(document, Path::new("."), &Progress::default()).unwrap();
 }
 
 #[test]

@@ -8,17 +8,18 @@
 //! 2. where that succeeds, its result replaces the first paint. An alignment that the neighbours contradict by more than
 //!    [`MAX_CONTRADICTION_PX`] went to the wrong lines and is dropped; a frame that stays uncertain is not answered.
 
+use super::AutocalibrationProgress;
 use super::error::Stop;
 use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
 use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame, read_pictures};
-use super::{UnclickedProgress, WatchUnclicked};
-use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+use touchline_core::progress::Progress;
 use touchline_core::solve::{Loss, Uncertainty};
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, SnapOptions, Snapped, overlays_apart_px, snap};
@@ -41,28 +42,28 @@ pub(super) fn align_frames(
     mut hypothesis: Hypothesis,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Hypothesis, Stop> {
     let Some(placed) = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, matched) else {
         return Ok(hypothesis);
     };
     hypothesis.camera.frames = placed.frames(matched);
-    align_to_pictures(&mut hypothesis.camera, matched, picture, watch)?;
+    align_to_pictures(&mut hypothesis.camera, matched, picture, progress)?;
     placed.combine_with_alignments(&mut hypothesis, matched);
     Ok(hypothesis)
 }
 
 /// Aligns each frame to the painted lines of its own picture, where these decide.
 fn align_to_pictures(
-    camera: &mut UnclickedCamera,
+    camera: &mut AutocalibratedCamera,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<(), Stop> {
-    let UnclickedCamera { base, field, frames, .. } = camera;
+    let AutocalibratedCamera { base, field, frames, .. } = camera;
     let of = frames.len();
     for (chunk, some) in frames.chunks_mut(MAX_PICTURES_IN_MEMORY).enumerate() {
-        report(watch, UnclickedProgress::Snapping { done: chunk * MAX_PICTURES_IN_MEMORY, of })?;
+        report(progress, AutocalibrationProgress::Snapping { done: chunk * MAX_PICTURES_IN_MEMORY, of })?;
         let indices: Vec<usize> = some.iter().map(|frame| frame.index).collect();
         let pictures: BTreeMap<usize, Picture> = read_pictures(&indices, picture).into_iter().collect();
         some.par_iter_mut().for_each(|frame| {
@@ -92,8 +93,8 @@ impl ConstrainedFrames {
     }
 
     /// The frames with their indices in the document, uncertain ones included.
-    fn frames(&self, matched: &MatchedFrames) -> Vec<UnclickedFrame> {
-        let frame = |(&index, held): (&usize, &HeldFrame)| UnclickedFrame {
+    fn frames(&self, matched: &MatchedFrames) -> Vec<AutocalibratedFrame> {
+        let frame = |(&index, held): (&usize, &HeldFrame)| AutocalibratedFrame {
             index,
             ptz: held.ptz,
             uncertainty: self.uncertainty(held),
@@ -151,7 +152,7 @@ impl ConstrainedFrames {
     }
 
     /// 1-σ at the worst corner, the base taken as exact, px.
-    fn corner_sigma_px(&self, frame: &UnclickedFrame, known: &Uncertainty) -> f64 {
+    fn corner_sigma_px(&self, frame: &AutocalibratedFrame, known: &Uncertainty) -> f64 {
         let camera = PtzCamera::new(self.base, frame.ptz);
         known.with_exact_base().worst_corner_sigma_px(&camera, self.image_size)
     }
@@ -200,7 +201,7 @@ mod tests {
         hypothesis.ptz.fill(None);
         let no_picture = &mut |_: usize| None;
         let frames = hypothesis.camera.frames.clone();
-        let same = align_frames(hypothesis, &matched, no_picture, &|_| ControlFlow::Continue(()));
+        let same = align_frames(hypothesis, &matched, no_picture, &Progress::default());
         assert_eq!(same.ok().map(|same| same.camera.frames), Some(frames));
     }
 
@@ -208,7 +209,7 @@ mod tests {
     fn frames_whose_pictures_cannot_be_read_are_placed_and_not_aligned() {
         let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
         let no_picture = &mut |_: usize| None;
-        let aligned = align_frames(hypothesis, &matched, no_picture, &|_| ControlFlow::Continue(()));
+        let aligned = align_frames(hypothesis, &matched, no_picture, &Progress::default());
         let camera = aligned.ok().map(|aligned| aligned.camera).unwrap();
         assert_eq!((camera.frames.len(), camera.snapped_count()), (7, 0));
         assert!(camera.frames.iter().all(|frame| frame.uncertainty.is_some()));
@@ -221,7 +222,7 @@ mod tests {
         matched.matches.retain(|pair| pair.first != 0);
         hypothesis.paint_priors[0].information = Mat3::identity();
         let no_picture = &mut |_: usize| None;
-        let aligned = align_frames(hypothesis, &matched, no_picture, &|_| ControlFlow::Continue(()));
+        let aligned = align_frames(hypothesis, &matched, no_picture, &Progress::default());
         let indices = aligned.ok().map(|aligned| aligned.camera.frames.iter().map(|f| f.index).collect());
         assert_eq!(indices, Some(vec![11, 12, 13, 14, 15, 16]));
     }
@@ -229,8 +230,8 @@ mod tests {
     #[test]
     fn alignment_stops_when_it_is_told_to() {
         let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
-        let stopped = align_frames(hypothesis, &matched, &mut |_| None, &|_| ControlFlow::Break(()));
-        assert!(matches!(stopped, Err(Stop::Failed(super::super::UnclickedError::Stopped))));
+        let stopped = align_frames(hypothesis, &matched, &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
+        assert!(matches!(stopped, Err(Stop::Failed(super::super::AutocalibrationError::Stopped))));
     }
 
     #[test]

@@ -1,21 +1,21 @@
 //! What a search without clicks answers.
 
 use super::Abstention;
-use crate::calibrate::UnclickedCamera;
+use crate::calibrate::AutocalibratedCamera;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 
 /// The answer of a search that came to its end.
 #[derive(Clone, Debug, PartialEq)]
-pub enum UnclickedAnswer {
+pub enum AutocalibrationAnswer {
     /// The camera.
-    Found(Box<UnclickedCamera>),
+    Found(Box<AutocalibratedCamera>),
     /// Two places for the camera pass every question, and neither is much better than the other.
     Two {
         /// The one that explains more.
-        best: Box<UnclickedCamera>,
+        best: Box<AutocalibratedCamera>,
         /// The other.
-        other: Box<UnclickedCamera>,
+        other: Box<AutocalibratedCamera>,
         /// A landmark that tells them apart by one click.
         deciding: Option<DecidingLandmark>,
     },

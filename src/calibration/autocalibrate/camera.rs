@@ -16,9 +16,10 @@ use super::verdict::{
     MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click, few_aligned, is_refuted,
     missing_in_frames, open_size, uncertain,
 };
-use super::{Abstention, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked};
-use crate::calibrate::UnclickedCamera;
+use super::{Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, Doubt};
+use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
+use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
 
@@ -30,16 +31,16 @@ const MIN_CLICKS: usize = 2;
 ///
 /// # Errors
 /// The search was stopped, the field cannot be had, or OpenCV is missing or refused. That no answer is certain is no error but
-/// [`UnclickedAnswer::Abstained`].
+/// [`AutocalibrationAnswer::Abstained`].
 pub fn camera_without_clicks(
     document: DocumentAt<'_>,
     camera: &CameraId,
     look_at: usize,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
-) -> Result<UnclickedAnswer, UnclickedError> {
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    Search { document, camera, field_prior, by_clicks: false, watch }.run(look_at, picture)
+    Search { document, camera, field_prior, by_clicks: false, progress }.run(look_at, picture)
 }
 
 /// The same where a person has clicked two landmarks of the ground or more, in one frame or in several: they say where the camera
@@ -53,10 +54,10 @@ pub fn camera_from_few_clicks(
     camera: &CameraId,
     look_at: usize,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
-) -> Result<UnclickedAnswer, UnclickedError> {
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    Search { document, camera, field_prior, by_clicks: true, watch }.run(look_at, picture)
+    Search { document, camera, field_prior, by_clicks: true, progress }.run(look_at, picture)
 }
 
 struct Search<'a> {
@@ -65,7 +66,7 @@ struct Search<'a> {
     field_prior: FieldPrior,
     /// Clicks say where the camera stands.
     by_clicks: bool,
-    watch: WatchUnclicked<'a>,
+    progress: &'a Progress<'a, AutocalibrationProgress>,
 }
 
 /// The best candidate, and another one elsewhere that explains the paint nearly as well.
@@ -76,24 +77,28 @@ struct Choice {
 
 impl Search<'_> {
     /// The answer; an abstention is one.
-    fn run(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, UnclickedError> {
+    fn run(
+        &self,
+        max_sampled: usize,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         match self.find(max_sampled, picture) {
             Ok(answer) => Ok(answer),
-            Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
+            Err(Stop::Abstained(why)) => Ok(AutocalibrationAnswer::Abstained(why)),
             Err(Stop::Failed(error)) => Err(error),
         }
     }
 
-    fn find(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
+    fn find(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<AutocalibrationAnswer, Stop> {
         let indices = self.choose_frames(max_sampled);
         // Fewer clicks determine no pose: no picture need be read.
         if self.by_clicks && self.clicks(&indices).len() < MIN_CLICKS {
             return Err(Abstention::NothingFits.into());
         }
         let sampled = self.sample(&indices, picture)?;
-        let matched = MatchedFrames::from_sampled(&sampled, self.watch)?;
+        let matched = MatchedFrames::from_sampled(&sampled, self.progress)?;
         let clicks = self.by_clicks.then(|| self.clicks_in_group(&matched));
-        let candidates = find_candidates(&matched, clicks.as_deref(), &self.field_prior, self.watch)?;
+        let candidates = find_candidates(&matched, clicks.as_deref(), &self.field_prior, self.progress)?;
         let Choice { best, runner_up } = choose(candidates)?;
 
         // Missing lines are looked for once more in the refined camera: before, a line may lie just beside its paint.
@@ -102,7 +107,7 @@ impl Search<'_> {
             return Err(uncertain(doubts, best.camera));
         }
         let is_doubted = !doubts.is_empty();
-        let best = align_frames(best, &matched, picture, self.watch)?;
+        let best = align_frames(best, &matched, picture, self.progress)?;
         match (runner_up, few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING)) {
             (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted, &matched, picture),
             (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
@@ -119,10 +124,10 @@ impl Search<'_> {
         is_doubted: bool,
         matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let is_doubted = is_doubted || !runner_up.doubts().is_empty();
         runner_up.camera.evidence.rival = best.score();
-        let runner_up = align_frames(runner_up, matched, picture, self.watch)?;
+        let runner_up = align_frames(runner_up, matched, picture, self.progress)?;
 
         // The one that the frames' own pictures contradict is the runner-up.
         let is_misaligned =
@@ -144,7 +149,7 @@ impl Search<'_> {
         let [best, runner_up] = match refined {
             // Two that become one where both are refined differed by the field's size only.
             [Some(best), Some(runner_up)] if (best.position_m() - runner_up.position_m()).norm() < SAME_POSITION_M => {
-                let best = align_frames(best, matched, picture, self.watch)?;
+                let best = align_frames(best, matched, picture, self.progress)?;
                 return self.judge(best.camera, matched, MIN_ALIGNED_WITH_RUNNER_UP);
             }
             [refined_best, refined_runner_up] => [
@@ -158,10 +163,10 @@ impl Search<'_> {
     /// Both cameras, for a person to choose from. Each has to be as good as one that refutes another.
     fn leave_to_a_click(
         &self,
-        best: UnclickedCamera,
-        other: UnclickedCamera,
+        best: AutocalibratedCamera,
+        other: AutocalibratedCamera,
         is_doubted: bool,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let doubt = |camera| few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP).or_else(|| open_size(camera));
         let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
@@ -169,7 +174,7 @@ impl Search<'_> {
             return Err(uncertain(doubts, best));
         }
         let deciding = deciding_landmark(&self.document, &best, &other);
-        Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
+        Ok(AutocalibrationAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
     }
 
     /// Refines the only candidate that is left, aligns its frames from there and judges it.
@@ -179,16 +184,16 @@ impl Search<'_> {
         matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
         min_aligned: f64,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let Some(refined) = self.refine(hypothesis, &BaseOptions::default(), matched, picture)? else {
             return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
         };
-        let mut camera = align_frames(refined, matched, picture, self.watch)?.camera;
+        let mut camera = align_frames(refined, matched, picture, self.progress)?.camera;
         if few_aligned(&camera, min_aligned).is_some() {
             // The frames that already lay on their paint may have drawn the principal point away from where the others have it.
             let centred = BaseOptions { placing_frames: usize::MAX, ..BaseOptions::default() };
             if let Some(refined) = self.refine(hypothesis, &centred, matched, picture)? {
-                let other = align_frames(refined, matched, picture, self.watch)?.camera;
+                let other = align_frames(refined, matched, picture, self.progress)?.camera;
                 camera = if other.snapped_count() > camera.snapped_count() { other } else { camera };
             }
         }
@@ -204,7 +209,7 @@ impl Search<'_> {
         picture: PictureOfFrame<'_>,
     ) -> Result<Hypothesis, Stop> {
         match refined {
-            Some(refined) => align_frames(refined, matched, picture, self.watch),
+            Some(refined) => align_frames(refined, matched, picture, self.progress),
             None => Ok(unrefined),
         }
     }
@@ -219,16 +224,16 @@ impl Search<'_> {
         let (document, camera) = (self.document, self.camera);
         let is_size_unknown = self.field_prior.is_size_unknown();
         let searched = SearchedCamera { document, camera, is_size_unknown };
-        refine_base(hypothesis, options, searched, matched, picture, self.watch)
+        refine_base(hypothesis, options, searched, matched, picture, self.progress)
     }
 
     /// The answer, if enough of the camera's frames agree with it, no line is missing and no click contradicts it.
     fn judge(
         &self,
-        mut camera: UnclickedCamera,
+        mut camera: AutocalibratedCamera,
         matched: &MatchedFrames,
         min_aligned: f64,
-    ) -> Result<UnclickedAnswer, Stop> {
+    ) -> Result<AutocalibrationAnswer, Stop> {
         camera.evidence.missing = missing_in_frames(&camera, matched);
         let lines = &camera.evidence.missing;
         let missing = || (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() });
@@ -236,7 +241,7 @@ impl Search<'_> {
         let contradicted = || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
         match few_aligned(&camera, min_aligned).or_else(missing).or_else(contradicted) {
             Some(doubt) => Err(uncertain(vec![doubt], camera)),
-            None => Ok(UnclickedAnswer::Found(Box::new(camera))),
+            None => Ok(AutocalibrationAnswer::Found(Box::new(camera))),
         }
     }
 
@@ -271,8 +276,8 @@ impl Search<'_> {
         let mut sampled = Vec::new();
         for (chunk, some) in indices.chunks(MAX_PICTURES_IN_MEMORY).enumerate() {
             let done = chunk * MAX_PICTURES_IN_MEMORY;
-            report(self.watch, UnclickedProgress::Looking { done, of: indices.len() })?;
-            sampled.extend(sample_frames(some, masks_of, picture).map_err(UnclickedError::from)?);
+            report(self.progress, AutocalibrationProgress::Looking { done, of: indices.len() })?;
+            sampled.extend(sample_frames(some, masks_of, picture).map_err(AutocalibrationError::from)?);
         }
         Ok(sampled)
     }

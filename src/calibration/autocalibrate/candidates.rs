@@ -23,11 +23,12 @@ use super::pitch_map::PitchMap;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::ScoredPose;
-use super::{UnclickedError, UnclickedProgress, WatchUnclicked};
+use super::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::FieldModel;
+use touchline_core::progress::Progress;
 
 /// Hypotheses that are adjusted with all frames, at most.
 const MAX_REFINED: usize = 5;
@@ -57,25 +58,36 @@ pub(super) fn find_candidates(
     matched: &MatchedFrames,
     clicks: Option<&[GroundClick]>,
     field_prior: &FieldPrior,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
-    report(watch, UnclickedProgress::Gathering)?;
+    report(progress, AutocalibrationProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
-    let PosesByFocalScale { poses, rotations } = match clicks {
-        None => search_poses(matched, &maps, watch)?,
-        Some(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, watch)?,
+    let found = match clicks {
+        None => search_poses(matched, &maps, progress)?,
+        Some(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
+    refine_poses(&found, &fields, field_prior, matched, progress)
+}
 
-    let panoramas = place_panoramas(&poses, &fields, field_prior, &rotations);
+/// Steps 1 to 3 for the poses that were found on some fields; the best hypothesis first.
+fn refine_poses(
+    found: &PosesByFocalScale,
+    fields: &[FieldModel],
+    field_prior: &FieldPrior,
+    matched: &MatchedFrames,
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<Vec<Hypothesis>, Stop> {
+    let PosesByFocalScale { poses, rotations } = found;
+    let panoramas = place_panoramas(poses, fields, field_prior, rotations);
 
     let num_done = AtomicUsize::new(0);
-    let adjusted: Result<Vec<Option<Hypothesis>>, UnclickedError> = panoramas
+    let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
         .par_iter()
         .map(|panorama| {
             let done = num_done.load(Ordering::Relaxed);
-            report(watch, UnclickedProgress::Adjusting { done, of: panoramas.len() })?;
-            let hypothesis = adjust_with_and_without_size(panorama, &rotations, field_prior, matched);
+            report(progress, AutocalibrationProgress::Adjusting { done, of: panoramas.len() })?;
+            let hypothesis = adjust_with_and_without_size(panorama, rotations, field_prior, matched);
             num_done.fetch_add(1, Ordering::Relaxed);
             Ok(hypothesis)
         })
@@ -87,7 +99,7 @@ pub(super) fn find_candidates(
     if field_prior.is_size_unknown() {
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
-            report(watch, UnclickedProgress::Sizing { done, of })?;
+            report(progress, AutocalibrationProgress::Sizing { done, of })?;
             try_neighbouring_sizes(hypothesis, field_prior, matched);
         }
         sort_best_first(&mut hypotheses);
@@ -253,5 +265,114 @@ fn try_neighbouring_sizes(hypothesis: &mut Hypothesis, field_prior: &FieldPrior,
             Some(best) if best.score() > MIN_GAIN * hypothesis.score() => *hypothesis = best,
             _ => return,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pose::PanoramaPose;
+    use super::super::rotating_camera::{
+        IMAGE_SIZE, bare_frame, base, document, frames_at_scale, hypothesis, matched, matched_with_strokes, ptz, soccer,
+    };
+    use super::*;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+    use std::sync::Mutex;
+    use touchline_core::camera::PtzCamera;
+    use touchline_core::geometry::Vec3;
+    use touchline_documents::document::FieldSize;
+
+    const ALL_VIEWS: [usize; 7] = [0, 1, 2, 3, 4, 5, 6];
+
+    /// A soccer field whose size is known.
+    fn known_field() -> FieldPrior {
+        let mut document = document();
+        document.field.size = Some(FieldSize::Confirmed);
+        FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap()
+    }
+
+    /// Poses beside the right one, each with the score that the search gives it, as if found at one focal scale.
+    fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> PosesByFocalScale {
+        let frames = frames_at_scale(field);
+        let scaled = |&(shift_m, explained): &(Vec3, f64)| {
+            let pose = PanoramaPose::upright(base().position_m + shift_m, base().angles().heading);
+            ScaledPose { scored: ScoredPose { pose, field: 0, explained, visible: 1.0 }, frames: Arc::clone(&frames) }
+        };
+        let poses = beside.iter().map(scaled).collect();
+        PosesByFocalScale { poses, rotations: RotationsByFocalScale::new([(100, frames.rotations.clone())]) }
+    }
+
+    #[test]
+    fn poses_near_each_other_become_one_candidate_at_the_right_place() {
+        let prior = known_field();
+        let matched = matched_with_strokes(&prior.assumed, &ALL_VIEWS);
+        let found = poses_beside(&prior.assumed, &[(Vec3::new(0.6, -0.8, 0.3), 0.8), (Vec3::new(-0.5, 0.7, 0.0), 0.9)]);
+        let steps = Mutex::new(Vec::new());
+        let progress = Progress::new(|step: AutocalibrationProgress| {
+            steps.lock().unwrap().push(step);
+            ControlFlow::Continue(())
+        });
+        let fields = prior.search_fields();
+        let candidates = refine_poses(&found, &fields, &prior, &matched, &progress).ok().unwrap();
+        let [candidate] = candidates.as_slice() else { panic!("{} candidates", candidates.len()) };
+        let off_m = (candidate.position_m() - base().position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m");
+        assert!(candidate.score() > 0.9, "{}", candidate.score());
+        assert_eq!(candidate.doubts(), []);
+        let adjusting = AutocalibrationProgress::Adjusting { done: 0, of: 1 };
+        assert_eq!(*steps.lock().unwrap(), [adjusting], "no other size is tried where it is known");
+    }
+
+    #[test]
+    fn without_poses_there_is_no_candidate() {
+        let prior = known_field();
+        let (found, fields) = (poses_beside(&prior.assumed, &[]), prior.search_fields());
+        let none = refine_poses(&found, &fields, &prior, &matched(), &Progress::default());
+        assert_eq!(none.ok().map(|candidates| candidates.len()), Some(0));
+    }
+
+    #[test]
+    fn frames_without_paint_are_said_to_show_too_little() {
+        let prior = known_field();
+        let views = [0, 2, 4];
+        let mut matched = matched_with_strokes(&prior.assumed, &views);
+        matched.strokes.fill(bare_frame(0, IMAGE_SIZE).strokes);
+        let click = |(frame, landmark): (usize, &str)| {
+            let at = prior.assumed.landmark_in_world(prior.assumed.landmark(landmark).unwrap());
+            let image = PtzCamera::new(base(), ptz()[views[frame]]).image_from_world(at).unwrap();
+            GroundClick { frame, landmark: landmark.into(), image }
+        };
+        let clicks = [(0, "penalty_mark_left"), (2, "centre_mark")].map(click);
+        let nothing = find_candidates(&matched, Some(&clicks), &prior, &Progress::default());
+        assert!(matches!(nothing, Err(Stop::Abstained(super::super::Abstention::LittlePaint { places: 0 }))));
+    }
+
+    #[test]
+    fn the_search_for_candidates_stops_when_it_is_cancelled() {
+        let progress = Progress::new(|_| ControlFlow::Break(()));
+        let stopped = find_candidates(&matched(), None, &known_field(), &progress);
+        assert!(matches!(stopped, Err(Stop::Failed(AutocalibrationError::Stopped))));
+    }
+
+    /// The right hypothesis on a field of this length, with a score.
+    fn of_length(length_m: f64, score: f64) -> Hypothesis {
+        let mut hypothesis = hypothesis(&soccer().assumed);
+        hypothesis.camera.field.length_m = length_m;
+        (hypothesis.camera.evidence.explained, hypothesis.camera.evidence.visible) = (score, 1.0);
+        hypothesis
+    }
+
+    #[test]
+    fn a_stated_size_stays_and_a_better_one_is_recorded_against_it() {
+        let choose = |resized: Hypothesis, is_known: bool| {
+            let chosen = choose_size(Some(of_length(105.0, 0.8)), Some(resized), is_known).unwrap();
+            (chosen.camera.field.length_m, chosen.camera.evidence.other_size_m.map(|[length_m, _]| length_m))
+        };
+        assert_eq!(choose(of_length(102.0, 0.9), true), (105.0, Some(102.0)));
+        assert_eq!(choose(of_length(102.0, 0.805), true), (105.0, None), "hardly better");
+        assert_eq!(choose(of_length(104.5, 0.9), true), (105.0, None), "hardly another size");
+        assert_eq!(choose(of_length(102.0, 0.9), false), (102.0, None));
+        assert_eq!(choose(of_length(102.0, 0.7), false), (105.0, None));
+        assert!(choose_size(None, Some(of_length(102.0, 0.9)), true).is_none());
     }
 }

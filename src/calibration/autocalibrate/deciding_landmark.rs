@@ -1,7 +1,7 @@
 //! The landmark whose click decides between two answers.
 
 use super::DecidingLandmark;
-use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Document;
 
@@ -11,15 +11,15 @@ const MIN_APART_PX: f64 = 40.0;
 /// The landmark of the ground that two answers see farthest apart within one picture.
 pub(super) fn deciding_landmark(
     document: &Document,
-    best: &UnclickedCamera,
-    other: &UnclickedCamera,
+    best: &AutocalibratedCamera,
+    other: &AutocalibratedCamera,
 ) -> Option<DecidingLandmark> {
     let mut farthest: Option<(f64, DecidingLandmark)> = None;
     for one in &best.frames {
         let Some(two) = other.frames.iter().find(|two| two.index == one.index) else { continue };
         let size = document.frames[one.index].image_size;
         let cameras = [(best, one), (other, two)]
-            .map(|(found, frame): (&UnclickedCamera, &UnclickedFrame)| PtzCamera::new(found.base, frame.ptz));
+            .map(|(found, frame): (&AutocalibratedCamera, &AutocalibratedFrame)| PtzCamera::new(found.base, frame.ptz));
         for landmark in best.field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
             let seen = |which: usize| {
                 let field = &[best, other][which].field;

@@ -1,7 +1,7 @@
 //! Why there is no base without clicks.
 
 use super::Doubt;
-use crate::calibrate::UnclickedCamera;
+use crate::calibrate::AutocalibratedCamera;
 use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_vision::features::FeatureError;
@@ -10,7 +10,7 @@ use touchline_vision::track::TrackError;
 /// Why a camera was not looked for to the end.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum UnclickedError {
+pub enum AutocalibrationError {
     /// The camera's field cannot be had.
     #[error(transparent)]
     Field(#[from] FieldError),
@@ -57,7 +57,7 @@ pub enum Abstention {
         /// What speaks against it.
         doubts: Vec<Doubt>,
         /// It, as far as it was looked at.
-        best: Option<Box<UnclickedCamera>>,
+        best: Option<Box<AutocalibratedCamera>>,
     },
 }
 
@@ -67,12 +67,12 @@ fn listed(doubts: &[Doubt]) -> String {
 
 /// Why the search ended before its answer.
 pub(super) enum Stop {
-    Failed(UnclickedError),
+    Failed(AutocalibrationError),
     Abstained(Abstention),
 }
 
-impl From<UnclickedError> for Stop {
-    fn from(error: UnclickedError) -> Self {
+impl From<AutocalibrationError> for Stop {
+    fn from(error: AutocalibrationError) -> Self {
         Self::Failed(error)
     }
 }

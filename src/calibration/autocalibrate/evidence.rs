@@ -3,7 +3,7 @@
 use super::Doubt;
 use super::joint::JointAdjustment;
 use super::matched_frames::FramePaint;
-use crate::calibrate::UnclickedEvidence;
+use crate::calibrate::AutocalibrationEvidence;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -22,7 +22,7 @@ const ENOUGH: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 
 /// What speaks against a base: the questions that a right answer passes.
-pub(super) fn doubts_of(evidence: &UnclickedEvidence, base: &CameraBase) -> Vec<Doubt> {
+pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -> Vec<Doubt> {
     const MIN_EXPLAINED: f64 = 0.6;
     const MIN_VISIBLE: f64 = 0.6;
     const MIN_LINES: usize = 5;
@@ -59,7 +59,7 @@ pub(super) fn measure_evidence(
     joint: &JointAdjustment,
     paint: &[FramePaint],
     strokes: &[Strokes],
-) -> UnclickedEvidence {
+) -> AutocalibrationEvidence {
     let field = &joint.field;
     let frames: Vec<usize> = (0..strokes.len()).filter(|frame| joint.ptz[*frame].is_some()).collect();
     let counts: Vec<Counts> = frames
@@ -74,7 +74,7 @@ pub(super) fn measure_evidence(
     let name = |line: usize| field.lines[line].id.as_str().to_owned();
     let lines: BTreeSet<usize> = counts.iter().flat_map(|counts| counts.lines.iter().copied()).collect();
     let of_lines: Vec<&[LineCounts]> = counts.iter().map(|counts| counts.of_line.as_slice()).collect();
-    UnclickedEvidence {
+    AutocalibrationEvidence {
         frames: frames.len(),
         explained: share(sum(&|counts| counts.explained), sum(&|counts| counts.paint)),
         visible: share(sum(&|counts| counts.total().seen), sum(&|counts| counts.total().predicted)),

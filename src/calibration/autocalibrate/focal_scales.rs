@@ -11,10 +11,11 @@ use super::pose::fit_pose;
 use super::progress::report;
 use super::rotations_by_focal_scale::RotationsByFocalScale;
 use super::search::{PLACES, Panorama, ScoredPose, score_pose, search, sort};
-use super::{Abstention, UnclickedProgress, WatchUnclicked};
+use super::{Abstention, AutocalibrationProgress};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
+use touchline_core::progress::Progress;
 use touchline_vision::track::Turns;
 
 /// How much longer or shorter than the matches say the focal lengths may be, in per cent: rotations leave their common scale uncertain,
@@ -53,11 +54,11 @@ pub(super) struct PosesByFocalScale {
 pub(super) fn search_poses(
     matched: &MatchedFrames,
     maps: &[PitchMap],
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
     let num_places = PLACES * maps.len();
     let search_at_scale = |_: &Turns, panorama: &Panorama| search(panorama, maps);
-    try_focal_scales(matched, &FIRST_FOCAL_PERCENT, num_places, watch, search_at_scale)
+    try_focal_scales(matched, &FIRST_FOCAL_PERCENT, num_places, progress, search_at_scale)
 }
 
 /// The poses that pairs of clicks determine, on several fields with their maps.
@@ -66,9 +67,9 @@ pub(super) fn poses_from_clicks(
     fields: &[FieldModel],
     maps: &[PitchMap],
     clicks: &[GroundClick],
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
-    try_focal_scales(matched, &FINE_FOCAL_PERCENT, fields.len(), watch, |turns, panorama| {
+    try_focal_scales(matched, &FINE_FOCAL_PERCENT, fields.len(), progress, |turns, panorama| {
         let mut found = Vec::new();
         for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
             for pose in poses(turns, clicks, field).into_iter().take(MAX_PAIRS) {
@@ -87,7 +88,7 @@ fn try_focal_scales(
     matched: &MatchedFrames,
     focal_percent: &[u32],
     places: usize,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
     poses_at: impl Fn(&Turns, &Panorama) -> Vec<ScoredPose>,
 ) -> Result<PosesByFocalScale, Stop> {
     let (mut found, mut rotations) = (Vec::new(), Vec::new());
@@ -97,7 +98,7 @@ fn try_focal_scales(
     let mut done = 0;
     while let Some(&percent) = percents.get(done) {
         let of = percents.len().max(USUAL_ROUNDS);
-        report(watch, UnclickedProgress::Trying { places, done, of })?;
+        report(progress, AutocalibrationProgress::Trying { places, done, of })?;
         done += 1;
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {

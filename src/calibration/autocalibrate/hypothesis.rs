@@ -10,7 +10,7 @@ use super::evidence::measure_evidence;
 use super::field_prior::FieldPrior;
 use super::joint::{FrameObservations, JointStart, adjust_jointly};
 use super::matched_frames::{FramesAtScale, MatchedFrames};
-use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::sync::Arc;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Vec3;
@@ -20,7 +20,7 @@ use touchline_vision::track::{Hold, filled};
 #[derive(Clone)]
 pub(super) struct Hypothesis {
     /// The answer, as far as it is refined.
-    pub camera: UnclickedCamera,
+    pub camera: AutocalibratedCamera,
     /// Of each frame, by the paint of all frames; none for frames that show too little.
     pub ptz: Vec<Option<Ptz>>,
     /// What each frame's own paint says of its camera.
@@ -43,11 +43,10 @@ impl Hypothesis {
         let joint = adjust_jointly(start, size_prior, &observed)?;
         let evidence = measure_evidence(&joint, paint, &matched.strokes);
         let paint_priors = joint.paint_priors();
-        let placed =
-            matched.indices.iter().zip(&joint.ptz).filter_map(|(&index, ptz)| {
-                Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None })
-            });
-        let camera = UnclickedCamera {
+        let placed = matched.indices.iter().zip(&joint.ptz).filter_map(|(&index, ptz)| {
+            Some(AutocalibratedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None })
+        });
+        let camera = AutocalibratedCamera {
             base: joint.base,
             field: joint.field,
             sizes: joint.sizes,

@@ -5,10 +5,12 @@
 //! how they turn, and which paint they show in one direction.
 
 use super::error::Stop;
+use super::progress::report;
 use super::sampled_frames::SampledFrame;
 use super::search::Panorama;
-use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
+use super::{Abstention, AutocalibrationError, AutocalibrationProgress};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
+use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::Features;
 use touchline_vision::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
 use touchline_vision::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
@@ -52,14 +54,15 @@ impl MatchedFrames {
     ///
     /// # Errors
     /// Too few are connected, the search was stopped, or OpenCV is missing or refused.
-    pub fn from_sampled(frames: &[SampledFrame], watch: WatchUnclicked<'_>) -> Result<Self, Stop> {
+    pub fn from_sampled(
+        frames: &[SampledFrame],
+        progress: &Progress<'_, AutocalibrationProgress>,
+    ) -> Result<Self, Stop> {
         let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
-        let matches = tie_frames(&features, &|done, of| watch(UnclickedProgress::Tying { done, of }))
-            .map_err(UnclickedError::Track)?;
-        if watch(UnclickedProgress::Tying { done: pairs, of: pairs }).is_break() {
-            return Err(UnclickedError::Stopped.into());
-        }
+        let of_pairs = progress.part(|Share { done, of }| AutocalibrationProgress::Tying { done, of });
+        let matches = tie_frames(&features, &of_pairs).map_err(AutocalibrationError::Track)?;
+        report(progress, AutocalibrationProgress::Tying { done: pairs, of: pairs })?;
         Ok(Self::from_matches(frames, &matches)?)
     }
 

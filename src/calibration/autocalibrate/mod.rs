@@ -80,9 +80,9 @@ mod sampled_frames;
 mod search;
 mod verdict;
 
-pub use answer::{DecidingLandmark, UnclickedAnswer};
+pub use answer::{AutocalibrationAnswer, DecidingLandmark};
 pub use camera::{camera_from_few_clicks, camera_without_clicks};
 pub use doubt::Doubt;
-pub use error::{Abstention, UnclickedError};
-pub use progress::{UnclickedProgress, WatchUnclicked};
+pub use error::{Abstention, AutocalibrationError};
+pub use progress::AutocalibrationProgress;
 pub use sampled_frames::PictureOfFrame;

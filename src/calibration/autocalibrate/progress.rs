@@ -1,13 +1,13 @@
 //! How far a search without clicks has come, in steps that a person understands.
 
-use super::UnclickedError;
+use super::AutocalibrationError;
 use std::fmt;
-use std::ops::ControlFlow;
 use touchline_core::geometry::thousands;
+use touchline_core::progress::Progress;
 
 /// How far the search has come. It displays itself: "tying 212 of 480 pairs".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UnclickedProgress {
+pub enum AutocalibrationProgress {
     /// Frames are looked at.
     Looking {
         /// Frames done.
@@ -58,18 +58,18 @@ pub enum UnclickedProgress {
     Refining,
 }
 
-/// Told how far a search has come; may end it.
-pub type WatchUnclicked<'a> = &'a (dyn Fn(UnclickedProgress) -> ControlFlow<()> + Sync);
-
-/// Reports progress.
+/// Reports how far a search has come.
 ///
 /// # Errors
-/// [`UnclickedError::Stopped`] if the receiver ends the search.
-pub(super) fn report(watch: WatchUnclicked<'_>, progress: UnclickedProgress) -> Result<(), UnclickedError> {
-    if watch(progress).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) }
+/// [`AutocalibrationError::Stopped`] if the receiver ends the search.
+pub(super) fn report(
+    progress: &Progress<'_, AutocalibrationProgress>,
+    step: AutocalibrationProgress,
+) -> Result<(), AutocalibrationError> {
+    if progress.report(step).is_break() { Err(AutocalibrationError::Stopped) } else { Ok(()) }
 }
 
-impl UnclickedProgress {
+impl AutocalibrationProgress {
     /// How much of the present step is done, 0 to 1.
     #[must_use]
     pub fn share_of_step(&self) -> f64 {
@@ -85,7 +85,7 @@ impl UnclickedProgress {
     }
 }
 
-impl fmt::Display for UnclickedProgress {
+impl fmt::Display for AutocalibrationProgress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |number: usize| thousands(number);
         match *self {
@@ -107,15 +107,15 @@ impl fmt::Display for UnclickedProgress {
 
 #[cfg(test)]
 mod tests {
-    use super::UnclickedProgress;
+    use super::AutocalibrationProgress;
 
     #[test]
     fn progress_is_words_and_a_share() {
-        let tying = UnclickedProgress::Tying { done: 1212, of: 4848 };
+        let tying = AutocalibrationProgress::Tying { done: 1212, of: 4848 };
         assert_eq!(tying.to_string(), "matching pairs of frames, 1,212 of 4,848");
         assert!((tying.share_of_step() - 0.25).abs() < 1e-12);
-        let trying = UnclickedProgress::Trying { places: 304_425, done: 0, of: 5 };
+        let trying = AutocalibrationProgress::Trying { places: 304_425, done: 0, of: 5 };
         assert_eq!(trying.to_string(), "trying 304,425 positions, round 1 of 5");
-        assert!(UnclickedProgress::Looking { done: 0, of: 0 }.share_of_step().abs() < 1e-12);
+        assert!(AutocalibrationProgress::Looking { done: 0, of: 0 }.share_of_step().abs() < 1e-12);
     }
 }

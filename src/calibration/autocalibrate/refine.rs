@@ -1,7 +1,7 @@
 //! Refines the base of a hypothesis with the paint of its frames' own pictures.
 //!
 //! The strokes from which the search found the base are coarse: they were found without knowing where to look. With a base, the
-//! painted lines are measured where it predicts them, as for a base that a person refines ([`estimate_on_paint`]).
+//! painted lines are measured where it predicts them, as for a base that a person refines ([`KnownFrames::estimate_base`]).
 
 use super::align::prior_from_alignment;
 use super::error::Stop;
@@ -9,15 +9,17 @@ use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
 use super::sampled_frames::PictureOfFrame;
-use super::{UnclickedError, UnclickedProgress, WatchUnclicked};
+use super::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
-    BaseOnPaint, BaseOnPaintError, EstimatedBase, UnclickedCamera, covariance_on_paint, estimate_on_paint, record_found,
+    AutocalibratedCamera, AutocalibratedFrame, BaseOnPaintError, BaseProblem, KnownCameras, KnownFrames, OpenField,
+    PaintEstimate, covariance_on_paint, set_size,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
-use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
+use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSpec};
 
 /// What is measured twice in the same pictures is known no better than this share of the difference.
 const SIGMA_OF_CHANGE: f64 = 0.5;
@@ -44,45 +46,56 @@ pub(super) fn refine_base(
     searched: SearchedCamera<'_>,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Option<Hypothesis>, Stop> {
-    report(watch, UnclickedProgress::Refining)?;
+    report(progress, AutocalibrationProgress::Refining)?;
     let SearchedCamera { document, camera, is_size_unknown } = searched;
-    let mut bare = without_labels(&document, camera);
-    record_found(&mut bare, camera, &hypothesis.camera);
+    let Some(of_document) = document.camera(camera) else { return Ok(None) };
+    let found = &hypothesis.camera;
+    let spec = found_field(&document, camera, found);
+    let field = document.model_of(&spec).map_err(AutocalibrationError::from)?;
 
-    let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
-    let at = bare.at(document.folder);
-    let progress = Progress::new(|_| watch(UnclickedProgress::Refining));
-    let estimated = match estimate_on_paint(at, camera, options, is_size_unknown, &mut picture_of, &progress) {
-        Ok(BaseOnPaint { estimated, .. }) => estimated,
-        Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
+    // The search reads neither clicks nor cameras that were known before.
+    let takes_part = |frame: &&AutocalibratedFrame| {
+        let frame = &document.frames[frame.index];
+        frame.is_used_for_base() && frame.image_size == of_document.image_size
+    };
+    let frames: Vec<&AutocalibratedFrame> = found.frames.iter().filter(takes_part).collect();
+    let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
+    let known = KnownFrames {
+        start: KnownCameras {
+            base: found.base,
+            crown_m: field.crown_m,
+            ptz: frames.iter().map(|frame| Some(frame.best_ptz())).collect(),
+            by_clicks: false,
+        },
+        masks: indices.iter().map(|&index| document.masks_of(&document.frames[index])).collect(),
+        picture: &mut |place: usize| picture(indices[place]),
+        open_field: is_size_unknown.then_some(OpenField { document, spec: &spec }),
+        problem: BaseProblem::without_clicks(of_document, field, &found.base, indices.clone()),
+    };
+    let estimating = progress.part(|_| AutocalibrationProgress::Refining);
+    let estimated = match known.estimate_base(options, &estimating) {
+        Ok(estimated) => estimated,
+        Err(_) if progress.report(AutocalibrationProgress::Refining).is_break() => {
+            return Err(AutocalibrationError::Stopped.into());
+        }
         Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
     };
-
-    estimated.write_camera(&mut bare);
-    let field = bare.at(document.folder).model_of(bare.field_of_camera(camera)).map_err(UnclickedError::from)?;
-    let refined = with_base(hypothesis, estimated, matched);
-    Ok(Some(Hypothesis { camera: UnclickedCamera { field, ..refined.camera }, ..refined }))
+    Ok(Some(with_base(hypothesis, estimated, matched)))
 }
 
-/// A copy of a document in which nothing is known of a camera's frames: the search reads neither clicks nor cameras that were known
-/// before.
-fn without_labels(document: &Document, camera: &CameraId) -> Document {
-    let mut bare = document.clone();
-    for index in 0..bare.frames.len() {
-        if bare.frames[index].camera == *camera {
-            let frame = &mut bare.frames[index];
-            (frame.clicks, frame.ptz, frame.solution) = (Vec::new(), None, None);
-            frame.status = frame.undecided();
-        }
-    }
-    bare
+/// The field of a document's camera with the size and the crown that were found.
+fn found_field(document: &Document, camera: &CameraId, found: &AutocalibratedCamera) -> FieldSpec {
+    let mut spec = document.field_of_camera(camera).clone();
+    set_size(&mut spec, &found.sizes);
+    spec.set_crown_m(found.field.crown_m);
+    spec
 }
 
-/// A hypothesis with another base and the frames that were estimated with it; its field stays.
-fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &MatchedFrames) -> Hypothesis {
-    let EstimatedBase { frames, estimate, mut sizes, .. } = estimated;
+/// A hypothesis with another base, the frames that were estimated with it, and the field on which they were.
+fn with_base(hypothesis: &Hypothesis, estimated: PaintEstimate, matched: &MatchedFrames) -> Hypothesis {
+    let PaintEstimate { problem, estimate, mut sizes, .. } = estimated;
     let before = &hypothesis.camera;
 
     // Both bases are measured in the same pictures: their difference is an error that neither σ has.
@@ -95,8 +108,9 @@ fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &Matche
         size.sigma_m = size.sigma_m.max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
     }
 
+    let field = FieldModel { crown_m: estimate.crown_m, ..problem.field };
     // The strokes of a frame counted for little where they lay beside its lines; now it lies on its paint.
-    let fitted = frames.iter().zip(&estimate.frames);
+    let fitted = problem.frames.iter().zip(&estimate.frames);
     let ptz_by_index: BTreeMap<usize, Ptz> =
         fitted.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
     let ptz: Vec<Option<Ptz>> = matched.indices.iter().map(|index| ptz_by_index.get(index).copied()).collect();
@@ -108,7 +122,75 @@ fn with_base(hypothesis: &Hypothesis, estimated: EstimatedBase, matched: &Matche
     Hypothesis {
         paint_priors: paint_priors.collect(),
         ptz,
-        camera: UnclickedCamera { base, sizes, ..before.clone() },
+        camera: AutocalibratedCamera { base, field, sizes, ..before.clone() },
         frames: hypothesis.frames.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotating_camera::{base, document, drawn_picture, hypothesis, matched, ptz, soccer};
+    use super::*;
+    use rayon::prelude::*;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+    use touchline_core::geometry::Vec3;
+    use touchline_vision::media::Picture;
+
+    /// The right hypothesis, but that the camera stands half a metre beside its place.
+    fn beside() -> Hypothesis {
+        let mut hypothesis = hypothesis(&soccer().assumed);
+        hypothesis.camera.base.position_m += Vec3::new(0.3, -0.4, 0.1);
+        hypothesis
+    }
+
+    fn refine(
+        hypothesis: &Hypothesis,
+        picture: PictureOfFrame<'_>,
+        progress: &Progress<'_, AutocalibrationProgress>,
+    ) -> Result<Option<Hypothesis>, Stop> {
+        let (document, camera) = (document(), "main".into());
+        let document = document.at(Path::new(""));
+        let searched = SearchedCamera { document, camera: &camera, is_size_unknown: false };
+        refine_base(hypothesis, &BaseOptions::default(), searched, &matched(), picture, progress)
+    }
+
+    fn drawn_pictures() -> Vec<Picture> {
+        let field = soccer().assumed;
+        ptz().into_par_iter().map(|ptz| drawn_picture(&field, ptz)).collect()
+    }
+
+    #[test]
+    fn a_base_beside_its_place_is_brought_onto_the_paint() {
+        let (from, pictures) = (beside(), drawn_pictures());
+        let mut asked = Vec::new();
+        let mut picture = |index: usize| {
+            asked.push(index);
+            pictures.get(index - 10).cloned()
+        };
+        let refined = refine(&from, &mut picture, &Progress::default()).ok().flatten().unwrap();
+        let off_m = (refined.position_m() - base().position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m");
+        assert!(asked.iter().all(|index| (10..17).contains(index)), "{asked:?}");
+        let off_px = |(found, truth): (&Option<Ptz>, Ptz)| (found.unwrap().focal_px - truth.focal_px).abs();
+        assert!(refined.ptz.iter().zip(ptz()).map(off_px).all(|px| px < 3.0), "{:?}", refined.ptz);
+        assert_eq!((refined.paint_priors.len(), refined.camera.frames.len()), (7, 7));
+        // The same pictures gave both positions: half of what they differ by stays uncertain.
+        let changed_m = (refined.position_m() - from.position_m()).norm();
+        let sigma_m = refined.camera.base.sigma.position_m.norm();
+        assert!(sigma_m > SIGMA_OF_CHANGE * changed_m && sigma_m < 1.0, "{sigma_m} m after {changed_m} m");
+        assert_eq!(refined.camera.field.length_m, from.camera.field.length_m, "the size is known");
+    }
+
+    #[test]
+    fn without_pictures_no_base_is_refined() {
+        let refined = refine(&beside(), &mut |_| None, &Progress::default());
+        assert!(matches!(refined, Ok(None)));
+    }
+
+    #[test]
+    fn refining_stops_when_it_is_cancelled() {
+        let stopped = refine(&beside(), &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
+        assert!(matches!(stopped, Err(Stop::Failed(AutocalibrationError::Stopped))));
     }
 }

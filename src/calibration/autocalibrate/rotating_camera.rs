@@ -1,18 +1,21 @@
-//! A known rotating camera for the tests of single stages: its frames with exact paint and exact matches, without any picture.
+//! A known rotating camera for the tests of single stages: its frames with exact paint and exact matches, and drawn pictures where
+//! these are asked for.
 
 use super::field_prior::FieldPrior;
 use super::hypothesis::Hypothesis;
-use super::matched_frames::{FramesAtScale, MatchedFrames};
+use super::matched_frames::{FramesAtScale, MatchedFrames, renumber_matches};
 use super::pitch_map::PitchMap;
 use super::sampled_frames::SampledFrame;
-use crate::calibrate::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
+use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec3};
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
+use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_core::solve::Loss;
-use touchline_documents::document::{Document, FieldSpec};
+use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 use touchline_vision::features::Features;
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, Strokes};
@@ -59,7 +62,13 @@ pub fn exact_match(first: usize, second: usize) -> Option<Tie> {
     };
     let matches: Vec<(ImagePoint, ImagePoint)> = grid.filter_map(pair).collect();
     let agreeing = matches.len();
-    (agreeing >= 15).then_some(Tie { first, second, matches, agreeing, second_from_first: Mat3::identity() })
+    if agreeing < 15 {
+        return None;
+    }
+    let vector = |at: ImagePoint| Vec2::new(at.x, at.y);
+    let pairs: Vec<(Vec2, Vec2)> = matches.iter().map(|(here, there)| (vector(*here), vector(*there))).collect();
+    let second_from_first = homography(&pairs).ok()?;
+    Some(Tie { first, second, matches, agreeing, second_from_first })
 }
 
 /// The matches of all pairs of views that overlap.
@@ -99,6 +108,67 @@ pub fn frames_at_scale(field: &FieldModel) -> Arc<FramesAtScale> {
     Arc::new(FramesAtScale { log_scale: 0.0, rotations, paint })
 }
 
+/// A frame's picture: the white lines of a field on turf of one colour.
+///
+/// Each line is drawn in steps of half a pixel: the pixels across it are covered as far as the paint covers them, and where lines
+/// cross the larger share counts.
+pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
+    const TURF: [f64; 3] = [60.0, 120.0, 60.0];
+    const PAINT: [f64; 3] = [225.0, 230.0, 225.0];
+    let (width, height) = (IMAGE_SIZE.width as usize, IMAGE_SIZE.height as usize);
+    let mut covered = vec![0.0_f64; width * height];
+    let options = SampleOptions { spacing_px: 0.5, border_px: 0.0 };
+    for sample in sample_lines(field, &PtzCamera::new(base(), ptz), IMAGE_SIZE, &options) {
+        let half_px = 0.5 * sample.width_px;
+        let reach_px = half_px.ceil() as i64 + 1;
+        for step in -reach_px..=reach_px {
+            let at = sample.image.moved(sample.normal * step as f64);
+            let (column, row) = (at.x.floor(), at.y.floor());
+            if !IMAGE_SIZE.contains(at) || column as usize >= width || row as usize >= height {
+                continue;
+            }
+            // Pixels have their middle half a pixel beside their corner.
+            let middle = ImagePoint::new(column + 0.5, row + 0.5);
+            let across_px = middle.offset_from(sample.image).dot(&sample.normal).abs();
+            let share = (half_px + 0.5 - across_px).clamp(0.0, 1.0).min(sample.width_px);
+            let pixel = &mut covered[row as usize * width + column as usize];
+            *pixel = pixel.max(share);
+        }
+    }
+    let channel = |share: f64, index: usize| (TURF[index] + share * (PAINT[index] - TURF[index])).round() as u8;
+    let rgba = covered.iter().flat_map(|share| [channel(*share, 0), channel(*share, 1), channel(*share, 2), 255]);
+    Picture::new(IMAGE_SIZE, rgba.collect()).unwrap()
+}
+
+/// Some of the views, by their numbers, with few matches and the strokes of their drawn pictures.
+pub fn matched_with_strokes(field: &FieldModel, views: &[usize]) -> MatchedFrames {
+    const MATCHES_OF_PAIR: usize = 20;
+    let (all, ptz) = (matched(), ptz());
+    let mut matches = renumber_matches(&all.matches, views);
+    for pair in &mut matches {
+        let stride = pair.matches.len().div_ceil(MATCHES_OF_PAIR);
+        pair.matches = pair.matches.iter().copied().step_by(stride).collect();
+    }
+    let strokes_of = |&view: &usize| Strokes::of(&GroundPicture::new(&drawn_picture(field, ptz[view]), &[]));
+    MatchedFrames {
+        indices: views.iter().map(|&view| all.indices[view]).collect(),
+        matches,
+        strokes: views.par_iter().map(strokes_of).collect(),
+        masks: vec![Vec::new(); views.len()],
+        ..all
+    }
+}
+
+/// A document whose frames from the tenth on are the views. Nothing is known of them.
+pub fn document() -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), IMAGE_SIZE).into());
+    for index in 0..10 + ptz().len() {
+        document.frames.push(Frame::from_image(&format!("{index}.png"), "main".into(), IMAGE_SIZE).into());
+    }
+    document
+}
+
 /// What paint that is exact to 1 px or so says of a frame.
 pub fn paint_prior(frame: usize, ptz: Ptz) -> Hold {
     let information = Mat3::from_diagonal(&Vec3::new(1e6, 1e6, 1e5));
@@ -108,20 +178,20 @@ pub fn paint_prior(frame: usize, ptz: Ptz) -> Hold {
 /// The right hypothesis, with an index for each frame and no evidence.
 pub fn hypothesis(field: &FieldModel) -> Hypothesis {
     let ptz = ptz();
-    let placed = ptz.iter().enumerate().map(|(number, &ptz)| UnclickedFrame {
+    let placed = ptz.iter().enumerate().map(|(number, &ptz)| AutocalibratedFrame {
         index: 10 + number,
         ptz,
         uncertainty: None,
         snapped: None,
     });
-    let camera = UnclickedCamera {
+    let camera = AutocalibratedCamera {
         base: base(),
         field: field.clone(),
         sizes: Vec::new(),
         frames: placed.collect(),
         others: Vec::new(),
         paint: Vec::new(),
-        evidence: UnclickedEvidence::default(),
+        evidence: AutocalibrationEvidence::default(),
     };
     let paint_priors = ptz.iter().enumerate().map(|(frame, &ptz)| paint_prior(frame, ptz)).collect();
     let ptz = ptz.into_iter().map(Some).collect();

@@ -9,7 +9,7 @@ use super::error::Stop;
 use super::evidence::missing_lines;
 use super::matched_frames::MatchedFrames;
 use super::{Abstention, Doubt};
-use crate::calibrate::{UnclickedCamera, UnclickedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Frames;
 use touchline_vision::paint::Strokes;
@@ -31,36 +31,36 @@ const MAX_ALIGNED_OF_RUNNER_UP: f64 = 0.65;
 const CONTRADICTING_PX: f64 = 25.0;
 
 /// No answer, for what speaks against the best one.
-pub(super) fn uncertain(doubts: Vec<Doubt>, best: UnclickedCamera) -> Stop {
+pub(super) fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
     Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into()
 }
 
 /// The share of the frames that agree with their own paint, of those that show enough of it.
-fn aligned_share(camera: &UnclickedCamera) -> f64 {
+fn aligned_share(camera: &AutocalibratedCamera) -> f64 {
     camera.snapped_count() as f64 / camera.evidence.frames.max(1) as f64
 }
 
 /// The doubt about a camera with which fewer than a share of its frames agree.
-pub(super) fn few_aligned(camera: &UnclickedCamera, min_share: f64) -> Option<Doubt> {
+pub(super) fn few_aligned(camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
     let (snapped, frames) = (camera.snapped_count(), camera.evidence.frames);
     (aligned_share(camera) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
 }
 
 /// Whether the frames' own pictures contradict a runner-up.
-pub(super) fn is_refuted(runner_up: &UnclickedCamera) -> bool {
+pub(super) fn is_refuted(runner_up: &AutocalibratedCamera) -> bool {
     aligned_share(runner_up) <= MAX_ALIGNED_OF_RUNNER_UP
 }
 
 /// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
 /// be metres off.
-pub(super) fn open_size(camera: &UnclickedCamera) -> Option<Doubt> {
+pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     let open = camera.sizes.iter().find(|size| size.is_open)?;
     Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
 }
 
 /// The lines of the field that a camera should show in its frames and does not, by name.
-pub(super) fn missing_in_frames(camera: &UnclickedCamera, matched: &MatchedFrames) -> Vec<String> {
-    let looking = |frame: &UnclickedFrame| -> Option<(PtzCamera, &Strokes)> {
+pub(super) fn missing_in_frames(camera: &AutocalibratedCamera, matched: &MatchedFrames) -> Vec<String> {
+    let looking = |frame: &AutocalibratedFrame| -> Option<(PtzCamera, &Strokes)> {
         let strokes = &matched.strokes[matched.number_of(frame.index)?];
         Some((PtzCamera::new(camera.base, frame.ptz), strokes))
     };
@@ -69,7 +69,11 @@ pub(super) fn missing_in_frames(camera: &UnclickedCamera, matched: &MatchedFrame
 }
 
 /// The doubt about a camera that one of some clicks contradicts. `clicks` number frames as the document does.
-pub(super) fn contradicting_click(camera: &UnclickedCamera, clicks: &[GroundClick], frames: &Frames) -> Option<Doubt> {
+pub(super) fn contradicting_click(
+    camera: &AutocalibratedCamera,
+    clicks: &[GroundClick],
+    frames: &Frames,
+) -> Option<Doubt> {
     clicks.iter().find_map(|click| {
         let found = camera.frames.iter().find(|frame| frame.index == click.frame)?;
         let landmark = camera.field.landmark(click.landmark.as_str())?;
@@ -85,9 +89,9 @@ pub(super) fn contradicting_click(camera: &UnclickedCamera, clicks: &[GroundClic
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{hypothesis, matched, soccer};
+    use super::super::rotating_camera::{document, hypothesis, matched, matched_with_strokes, soccer};
     use super::*;
-    use touchline_core::geometry::Vec3;
+    use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
     use touchline_core::solve::base::FittedSize;
 
     #[test]
@@ -117,10 +121,54 @@ mod tests {
     }
 
     #[test]
+    fn a_click_beside_where_the_camera_has_its_landmark_contradicts_it() {
+        let (camera, document) = (hypothesis(&soccer().assumed).camera, document());
+        let (frame, landmark) = (&camera.frames[3], camera.field.landmark("centre_mark").unwrap());
+        let seen =
+            PtzCamera::new(camera.base, frame.ptz).image_from_world(camera.field.landmark_in_world(landmark)).unwrap();
+        let click = |frame: usize, landmark: &str, off_px: f64| GroundClick {
+            frame,
+            landmark: landmark.into(),
+            image: seen.moved(Vec2::new(0.6, 0.8) * off_px),
+        };
+        let doubt = |clicks: &[GroundClick]| contradicting_click(&camera, clicks, &document.frames);
+
+        // A picture of 960 px width allows half of the 25 px.
+        let near = click(frame.index, "centre_mark", 12.0);
+        assert_eq!(doubt(&[near.clone()]), None);
+        let Some(Doubt::ClickContradicts { landmark, frame: name, off_px }) =
+            doubt(&[near, click(frame.index, "centre_mark", 13.0)])
+        else {
+            panic!("the second click is too far away");
+        };
+        assert_eq!((landmark.as_str(), name.as_str()), ("centre_mark", "13.png"));
+        assert!((off_px - 13.0).abs() < 1e-9, "{off_px}");
+
+        // Of another frame, or of something that the field lacks, nothing is known.
+        assert_eq!(doubt(&[click(2, "centre_mark", 400.0), click(frame.index, "centre_of_gravity", 400.0)]), None);
+    }
+
+    #[test]
+    fn a_click_on_what_the_camera_has_behind_it_contradicts_it() {
+        let (mut camera, document) = (hypothesis(&soccer().assumed).camera, document());
+        camera.frames[3].ptz.pan = camera.frames[3].ptz.pan + Angle::from_degrees(180.0);
+        let image = ImagePoint::new(480.0, 270.0);
+        let click = GroundClick { frame: camera.frames[3].index, landmark: "centre_mark".into(), image };
+        let doubt = contradicting_click(&camera, &[click], &document.frames);
+        assert!(matches!(doubt, Some(Doubt::ClickContradicts { off_px: f64::INFINITY, .. })), "{doubt:?}");
+    }
+
+    #[test]
     fn nothing_is_missing_where_no_open_ground_is_seen() {
         let mut camera = hypothesis(&soccer().assumed).camera;
         camera.frames.clear();
         assert_eq!(missing_in_frames(&camera, &matched()), [""; 0]);
+    }
+
+    #[test]
+    fn nothing_is_missing_in_pictures_that_show_all_lines() {
+        let camera = hypothesis(&soccer().assumed).camera;
+        assert_eq!(missing_in_frames(&camera, &matched_with_strokes(&camera.field, &[0, 1, 2, 3, 4, 5, 6])), [""; 0]);
     }
 
     #[test]

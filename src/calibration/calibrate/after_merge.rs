@@ -7,10 +7,10 @@
 use super::follow_base::follow_base;
 use super::refit::refit;
 use super::solve_frames::{is_by_clicks, solve_by_clicks};
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 
 /// Frames that a merge put onto another base or field.
@@ -57,8 +57,7 @@ pub fn solve_after_merge(
         }
     }
     if !clicked.is_empty() {
-        let go_on = || ControlFlow::<FieldError>::Continue(());
-        solve_by_clicks(document, folder, &clicked, &go_on)?;
+        solve_by_clicks(document, folder, &clicked, &Progress::default())?;
         done.solved = clicked.len();
     }
     Ok(done)

@@ -3,10 +3,9 @@
 use super::base_readiness::LANDMARKS_ALONE;
 use super::field_size::set_field_size;
 use super::on_paint::OnPaint;
-use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, solve_frames};
+use super::solve_frames::{ShownFields, is_by_clicks, solve_frames};
 use super::{CalibrationError, observations};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
@@ -60,8 +59,8 @@ pub struct BaseProblem {
     pub frames: Vec<usize>,
     /// Their clicks, in the same order.
     pub clicks: Vec<FrameClicks>,
-    image_size: ImageSize,
-    principal_point: ImagePoint,
+    pub(super) image_size: ImageSize,
+    pub(super) principal_point: ImagePoint,
     pub(super) previous: Option<CameraBase>,
 }
 
@@ -113,6 +112,20 @@ impl BaseProblem {
     /// Those of [`Self::of`].
     pub(super) fn with_solved(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
         Self::gathered(document, camera, |frame| frame.ptz.is_some())
+    }
+
+    /// Frames of a camera on a field, by their indices, of which no click is known.
+    pub(crate) fn without_clicks(camera: &Camera, field: FieldModel, base: &CameraBase, frames: Vec<usize>) -> Self {
+        let clicks = frames.iter().map(|_| FrameClicks { observations: Vec::new(), start: None }).collect();
+        Self {
+            camera: camera.id.clone(),
+            field,
+            frames,
+            clicks,
+            image_size: camera.image_size,
+            principal_point: base.principal_point,
+            previous: Some(*base),
+        }
     }
 
     /// Gathers the frames with clicks, and those without that are wanted all the same.
@@ -290,19 +303,19 @@ impl EstimatedBase {
         let before = document.clone();
         self.write_camera(document);
         let places: Vec<usize> = (0..document.frames.len()).collect();
-        self.write_frames(document, &before, folder, &places, &|| ControlFlow::Continue(()))
+        Ok(self.write_frames(document, &before, folder, &places, &Progress::default())?)
     }
 
     /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the base already, `before` is without
-    /// it. Where `watch` ends it, frames have changed: the document is to be dropped.
-    pub(super) fn write_frames<E: Send + From<FieldError>>(
+    /// it. Where `progress` cancels this, frames have changed: the document is to be dropped.
+    pub(super) fn write_frames(
         &self,
         document: &mut Document,
         before: &Document,
         folder: &Path,
         places: &[usize],
-        watch: WatchFrames<'_, E>,
-    ) -> Result<(), E> {
+        progress: &Progress<'_, ()>,
+    ) -> Result<(), FieldError> {
         let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
         let field = document.at(folder).model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let before = before.camera(&self.camera).and_then(Camera::base);
@@ -323,7 +336,9 @@ impl EstimatedBase {
                 clicked.push(index);
             }
         }
-        solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, watch)?;
+        if solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, progress).is_none() {
+            return Ok(());
+        }
         if let Some(on_paint) = &self.on_paint {
             on_paint.write_frames(document, places);
         }

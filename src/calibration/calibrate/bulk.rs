@@ -5,17 +5,16 @@
 //! they are then, but for what the change means for each of them.
 
 use super::follow_base::follow_bases;
-use super::solve_frames::{WatchFrames, is_by_clicks, solve_by_clicks};
+use super::solve_frames::{is_by_clicks, solve_by_clicks};
 use super::which_camera::{add_camera_like, assign_frames, check_assigned};
 use super::{AssignError, EstimatedBase, FoundCamera};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameId};
 
 /// A change after which many frames are solved again.
@@ -26,7 +25,7 @@ pub enum BulkChange {
     /// A camera gets the base that was estimated.
     Base(Arc<EstimatedBase>),
     /// A camera gets the base that was found without a click, and its frames what was found with it.
-    Unclicked(Arc<FoundCamera>),
+    Autocalibrated(Arc<FoundCamera>),
     /// Frames are assigned to a camera.
     Assign(Box<AssignedFrames>),
 }
@@ -63,15 +62,6 @@ pub enum BulkError {
     /// Frames cannot be assigned to the camera.
     #[error(transparent)]
     Assign(#[from] AssignError),
-}
-
-/// How many frames have been solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BulkProgress {
-    /// How many are done.
-    pub done: usize,
-    /// How many there are in all.
-    pub of: usize,
 }
 
 /// A change that is to be worked out.
@@ -115,19 +105,16 @@ impl BulkSolve {
         places.iter().filter(|index| is_one(&self.document.frames[**index])).count()
     }
 
-    /// Works the change out.
+    /// Works the change out. A step of `progress` counts frames.
     ///
     /// # Errors
     /// The change cannot be made, or `progress` cancelled it.
-    pub fn run(self, progress: &Progress<'_, BulkProgress>) -> Result<BulkSolved, BulkError> {
+    pub fn run(self, progress: &Progress<'_, Share>) -> Result<BulkSolved, BulkError> {
         let mut after = self.document.clone();
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
-        let counting = || match progress.report(BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of }) {
-            ControlFlow::Continue(()) => ControlFlow::Continue(()),
-            ControlFlow::Break(()) => ControlFlow::Break(BulkError::Stopped),
-        };
+        let counting = progress.part(|()| Share { done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
         let withdrawn = self.change.make_in_frames(&mut after, &self.document, &self.folder, &places, &counting)?;
         // Counted here, so that joining need not touch every frame.
         after.count_edits_since(&self.document);
@@ -171,8 +158,8 @@ impl BulkSolved {
         }
         let concerned = self.work.change.places(now);
         let again: Vec<usize> = edited.into_iter().filter(|index| concerned.binary_search(index).is_ok()).collect();
-        let go_on = || ControlFlow::Continue(());
-        let withdrawn = self.work.change.make_in_frames(&mut document, now, &self.work.folder, &again, &go_on)?;
+        let (change, folder) = (&self.work.change, &self.work.folder);
+        let withdrawn = change.make_in_frames(&mut document, now, folder, &again, &Progress::default())?;
         Ok(Some(Joined { document, withdrawn: self.withdrawn + withdrawn }))
     }
 }
@@ -215,7 +202,7 @@ impl BulkChange {
             }
             Self::Base(found) => found.write_camera(document),
             // Its frames are those that nobody has clicked in: no edit of them is lost.
-            Self::Unclicked(found) => found.write(document),
+            Self::Autocalibrated(found) => found.write(document),
             Self::Assign(given) => {
                 let Some(new) = &given.new else { return Ok(()) };
                 add_camera_like(document, &given.camera, &new.like)?;
@@ -230,7 +217,7 @@ impl BulkChange {
     /// The places of the frames that it may change, ascending.
     fn places(&self, document: &Document) -> Vec<usize> {
         match self {
-            Self::Numbers(_) | Self::Base(_) | Self::Unclicked(_) => (0..document.frames.len()).collect(),
+            Self::Numbers(_) | Self::Base(_) | Self::Autocalibrated(_) => (0..document.frames.len()).collect(),
             Self::Assign(given) => {
                 let mut places: Vec<usize> =
                     given.frames.iter().filter_map(|id| document.frames.position_of(id)).collect();
@@ -249,21 +236,22 @@ impl BulkChange {
         before: &Document,
         folder: &Path,
         places: &[usize],
-        watch: WatchFrames<'_, BulkError>,
+        progress: &Progress<'_, ()>,
     ) -> Result<usize, BulkError> {
         if places.is_empty() {
             return Ok(0);
         }
         match self {
-            Self::Numbers(_) | Self::Unclicked(_) => solve_by_clicks(document, folder, places, watch)?,
-            Self::Base(found) => found.write_frames(document, before, folder, places, watch)?,
+            Self::Numbers(_) | Self::Autocalibrated(_) => solve_by_clicks(document, folder, places, progress)?,
+            Self::Base(found) => found.write_frames(document, before, folder, places, progress)?,
             Self::Assign(given) => {
                 let fields = Fields::of(document.at(folder))?;
                 check_assigned(document, places, &given.camera)?;
-                assign_frames(document, places, &given.camera, &fields, watch)?;
+                assign_frames(document, places, &given.camera, &fields, progress);
             }
         }
-        follow_bases(document, before, places, watch)
+        let withdrawn = follow_bases(document, before, places, progress);
+        if progress.is_cancelled() { Err(BulkError::Stopped) } else { Ok(withdrawn) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A fitted size taken into a document.
 
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{CameraId, Document, FieldSize};
+use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
 
 /// Writes a fitted size into the field of a camera; with several cameras each gets a field of its own.
 pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: &[FittedSize]) {
@@ -15,12 +15,17 @@ pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: 
     }
     let field = if known.field.is_some() { known.field.as_mut() } else { Some(&mut document.field) };
     if let Some(field) = field {
-        // A hundredth of a metre is more than clicks can tell.
-        let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
-        // What the frames do not show stays as it was assumed.
-        field.params.extend(sizes.iter().filter(|size| !size.is_open).map(rounded));
-        if sizes.iter().all(|size| !size.is_open) {
-            field.size = Some(FieldSize::Fitted);
-        }
+        set_size(field, sizes);
+    }
+}
+
+/// Writes a fitted size into a field.
+pub(crate) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
+    // A hundredth of a metre is more than clicks can tell.
+    let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
+    // What the frames do not show stays as it was assumed.
+    field.params.extend(sizes.iter().filter(|size| !size.is_open).map(rounded));
+    if !sizes.is_empty() && sizes.iter().all(|size| !size.is_open) {
+        field.size = Some(FieldSize::Fitted);
     }
 }

@@ -3,8 +3,7 @@
 use super::paint::LINE_CHECK;
 use super::refit::refit;
 use std::collections::BTreeSet;
-use std::convert::Infallible;
-use std::ops::ControlFlow;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionSource};
 
 /// The frames, ascending, whose camera has another base than in `before`, or that another camera has now.
@@ -28,44 +27,33 @@ fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
 }
 
 /// Lets the frames of some places (ascending) whose cameras have moved since `before` follow them; how many proposals were withdrawn.
-/// `watch` is asked before each proposal that is looked at.
-///
-/// # Errors
-/// What `watch` broke off with.
-pub(crate) fn follow_bases<B>(
+/// `progress` hears of each proposal before that is looked at. Where it cancels this, the frames behind have not followed.
+pub(crate) fn follow_bases(
     document: &mut Document,
     before: &Document,
     places: &[usize],
-    watch: &dyn Fn() -> ControlFlow<B>,
-) -> Result<usize, B> {
+    progress: &Progress<'_, ()>,
+) -> usize {
     let mut moved = moved_frames(before, document);
     moved.retain(|index| places.binary_search(index).is_ok());
-    follow_each(document, before, &moved, watch)
+    follow_each(document, before, &moved, progress)
 }
 
 /// Lets all frames whose cameras have moved since `before` follow them; how many proposals were withdrawn.
 pub fn follow_all_bases(document: &mut Document, before: &Document) -> usize {
     let moved = moved_frames(before, document);
-    let Ok(withdrawn) = follow_each(document, before, &moved, &|| ControlFlow::<Infallible>::Continue(()));
-    withdrawn
+    follow_each(document, before, &moved, &Progress::default())
 }
 
-fn follow_each<B>(
-    document: &mut Document,
-    before: &Document,
-    moved: &[usize],
-    watch: &dyn Fn() -> ControlFlow<B>,
-) -> Result<usize, B> {
+fn follow_each(document: &mut Document, before: &Document, moved: &[usize], progress: &Progress<'_, ()>) -> usize {
     let mut withdrawn = 0;
     for &index in moved {
-        if document.frames[index].is_suggestion()
-            && let ControlFlow::Break(stopped) = watch()
-        {
-            return Err(stopped);
+        if document.frames[index].is_suggestion() && progress.report(()).is_break() {
+            break;
         }
         withdrawn += usize::from(follow_base(document, index, before));
     }
-    Ok(withdrawn)
+    withdrawn
 }
 
 /// Lets a frame follow its camera, which was elsewhere in `before`. What the forest or tracking proposed for the old place is

@@ -1,6 +1,6 @@
 //! A camera that was found without a click, on its way into a document that has been edited meanwhile.
 
-use super::{UnclickedCamera, UnclickedFrame, record_found};
+use super::{AutocalibratedCamera, AutocalibratedFrame, record_found};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{CameraId, Document, FrameId};
@@ -11,7 +11,7 @@ pub struct FoundCamera {
     /// Which camera.
     pub camera: CameraId,
     /// What was found.
-    pub found: UnclickedCamera,
+    pub found: AutocalibratedCamera,
     /// The frames that it was found from, in the order of `found.frames`: their places may change.
     frames: Vec<FrameId>,
 }
@@ -19,7 +19,7 @@ pub struct FoundCamera {
 impl FoundCamera {
     /// What was found in a document as it is now.
     #[must_use]
-    pub fn of(document: &Document, camera: &CameraId, found: UnclickedCamera) -> Self {
+    pub fn of(document: &Document, camera: &CameraId, found: AutocalibratedCamera) -> Self {
         let frames = found.frames.iter().map(|frame| document.frames[frame.index].id.clone()).collect();
         Self { camera: camera.clone(), found, frames }
     }
@@ -34,13 +34,13 @@ impl FoundCamera {
 
     /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or decided stay as they are.
     pub(super) fn write(&self, document: &mut Document) {
-        let here = |(id, of_found): (&FrameId, &UnclickedFrame)| {
+        let here = |(id, of_found): (&FrameId, &AutocalibratedFrame)| {
             let index = document.frames.position_of(id)?;
             let is_open = document.frames[index].is_open() && document.frames[index].camera == self.camera;
-            is_open.then(|| UnclickedFrame { index, ..of_found.clone() })
+            is_open.then(|| AutocalibratedFrame { index, ..of_found.clone() })
         };
         let frames = self.frames.iter().zip(&self.found.frames).filter_map(here).collect();
-        let found = UnclickedCamera { frames, ..self.found.clone() };
+        let found = AutocalibratedCamera { frames, ..self.found.clone() };
         record_found(document, &self.camera, &found);
     }
 }

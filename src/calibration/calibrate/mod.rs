@@ -1,6 +1,7 @@
 //! From a document to a solved document: frames, bases, the field's size, names, which camera, click noise, and what is wrong with it.
 
 mod after_merge;
+mod autocalibrated_camera;
 mod base_change;
 mod base_estimation;
 mod base_on_paint;
@@ -17,6 +18,7 @@ mod found_camera;
 mod frame_lookup;
 mod from_proposal;
 mod gold;
+mod known_frames;
 mod length_on_lines;
 mod on_paint;
 mod own_covariance;
@@ -29,34 +31,38 @@ mod size_fit;
 mod solve_all;
 mod solve_frames;
 mod still_runs;
-mod unclicked_camera;
 mod unseen_length;
 mod which_camera;
 
 pub use after_merge::{SolvedAfterMerge, solve_after_merge};
+pub use autocalibrated_camera::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
 };
-pub(crate) use base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
-pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, FRAMES_FOR_PAINT, PictureOf, PulledFrames, estimate_on_paint};
+pub use base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_paint};
 pub use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
-pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved, Joined, NewCamera};
+pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joined, NewCamera};
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use check::{
     Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values,
 };
 pub(crate) use clip::record_tracked_frame;
 pub use clip::{
-    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
-    TrackedClip, TrackedFrame, WatchClip, clip_of_frame, clips, is_anchor, record_tracked, track_clip,
+    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference, TrackClipError,
+    TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor, record_tracked, track_clip,
 };
 pub use disagreement::{Disagreement, Disagreements, disagreements};
+pub(crate) use field_size::set_size;
 pub use follow_base::follow_all_bases;
 pub use found_camera::FoundCamera;
 pub use frame_lookup::FrameLookup;
 pub use gold::{can_choose_gold, choose_gold};
+pub(crate) use known_frames::{
+    ALONE_SIGMA_M, KnownCameras, KnownFrames, OpenField, PaintEstimate, as_paint_alone_gives,
+};
+pub use known_frames::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use length_on_lines::LENGTH_UNSEEN;
 pub use length_on_lines::{LengthOnLines, length_on_lines, take_length};
 pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};
@@ -74,5 +80,4 @@ pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub use solve_frames::{is_by_clicks, record_outcome};
 use still_runs::still_runs;
-pub use unclicked_camera::{UnclickedCamera, UnclickedEvidence, UnclickedFrame};
 pub use which_camera::{AssignError, add_camera_like, assign_to_camera};

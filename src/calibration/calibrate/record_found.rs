@@ -1,13 +1,13 @@
 //! A camera that was found without clicks, written into its document.
 
 use super::field_size::set_field_size;
-use super::{UnclickedCamera, record_snapped};
+use super::{AutocalibratedCamera, record_snapped};
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
 
 /// Writes a found camera into a document: base, size of the field, crown, and its frames as suggestions. References stay as they are.
-pub fn record_found(document: &mut Document, camera: &CameraId, found: &UnclickedCamera) {
+pub fn record_found(document: &mut Document, camera: &CameraId, found: &AutocalibratedCamera) {
     let Some(of_document) = document.camera_mut(camera) else { return };
     of_document.set_base(&found.base);
     set_field_size(document, camera, &found.sizes);

@@ -32,7 +32,8 @@ impl BaseProblem {
         let found = self.estimate(&document, options, progress)?;
         let ptz: Vec<_> = found.estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
         let model = &found.estimate.model;
-        let sizes = self.fit_size(document, &self.clicks, (&found.estimate.base, &ptz), model)?;
+        let template = document.field_of_camera(&self.camera).template(document.folder)?;
+        let sizes = self.fit_size(template, &self.clicks, (&found.estimate.base, &ptz), model);
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);
         let found = Self::of(sized.at(document.folder), &self.camera)?.estimate(&sized, options, progress)?;
@@ -43,24 +44,22 @@ impl BaseProblem {
     /// template leaves no choice, or what is seen leaves it open.
     pub(super) fn fit_size(
         &self,
-        document: DocumentAt<'_>,
+        template: Template,
         frames: &[FrameClicks],
         (base, ptz): (&CameraBase, &[Option<Ptz>]),
         model: &BaseModel,
-    ) -> Result<Vec<FittedSize>, BaseEstimationError> {
-        let Some(camera) = document.camera(&self.camera) else { return Ok(Vec::new()) };
-        let spec = camera.field.as_ref().unwrap_or(&document.field);
-        let open = OpenSize::new(spec.template(document.folder)?, &self.field);
+    ) -> Vec<FittedSize> {
+        let open = OpenSize::new(template, &self.field);
         let start = SizeStart {
             field: &self.field,
             frames,
             base,
             ptz,
             model,
-            image_width_px: camera.image_size.width,
+            image_width_px: self.image_size.width,
             options: &AdjustOptions::default(),
         };
-        Ok(fit_field_size(&|values| open.sized(values), &open.params, &start).unwrap_or_default())
+        fit_field_size(&|values| open.sized(values), &open.params, &start).unwrap_or_default()
     }
 }
 

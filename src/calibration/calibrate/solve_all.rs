@@ -2,9 +2,9 @@
 
 use super::CalibrationError;
 use super::solve_frames::{ShownFields, record_if_solved, solve_frames};
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_core::field::FieldError;
+use touchline_core::progress::Progress;
 use touchline_core::solve::SolveError;
 use touchline_documents::document::{Document, Fields, Frame, Target};
 
@@ -23,8 +23,9 @@ pub enum SolveOutcome {
     Failed(CalibrationError),
 }
 
-/// Solves every frame with enough clicks, in parallel; statuses stay. `folder` is the document's; `progress` is called
-/// once for each frame, from any thread. One outcome for each frame, whatever the number of threads.
+/// Solves every frame with enough clicks, in parallel; statuses stay. `folder` is the document's; `progress` hears of each frame,
+/// from any thread. One outcome for each frame, whatever the number of threads; none at all where `progress` cancels this, which
+/// leaves the document as it was.
 ///
 /// A frame whose clicks fit two cameras alike is decided by its neighbours, those that are solved in the same run among
 /// them.
@@ -34,19 +35,20 @@ pub enum SolveOutcome {
 pub fn solve_document(
     document: &mut Document,
     folder: &Path,
-    progress: &(dyn Fn() + Sync),
+    progress: &Progress<'_, ()>,
 ) -> Result<Vec<SolveOutcome>, FieldError> {
     let fields = Fields::of(document.at(folder))?;
     let (enough, too_few): (Vec<usize>, Vec<usize>) =
         (0..document.frames.len()).partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
     for _ in &too_few {
-        progress();
+        if progress.report(()).is_break() {
+            return Ok(Vec::new());
+        }
     }
-    let counting = || {
-        progress();
-        ControlFlow::<FieldError>::Continue(())
+    let fields = ShownFields::Document(&fields);
+    let Some(solved) = solve_frames(document, &enough, fields, record_if_solved, progress) else {
+        return Ok(Vec::new());
     };
-    let solved = solve_frames(document, &enough, ShownFields::Document(&fields), record_if_solved, &counting)?;
     let mut outcomes: Vec<SolveOutcome> = document.frames.iter().map(|_| SolveOutcome::TooFewClicks).collect();
     for (index, solved) in enough.into_iter().zip(solved) {
         outcomes[index] = match solved {

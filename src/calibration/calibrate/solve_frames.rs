@@ -3,10 +3,10 @@
 use super::better_camera::warn_of_better_camera;
 use super::{CalibrationError, FrameLookup, calibrate};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::progress::Progress;
 use touchline_core::solve::{FrameSolution, SolveError};
 use touchline_documents::document::{Document, Fields, Frame};
 
@@ -25,21 +25,19 @@ pub(super) enum ShownFields<'a> {
 /// So many frames are solved before what they gave is written down.
 const AT_ONCE: usize = 4096;
 
-/// Called once for each frame that is solved, from any thread; a break ends it with that error.
-pub(super) type WatchFrames<'a, E> = &'a (dyn Fn() -> ControlFlow<E> + Sync);
-
 /// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave. Says of each whether
-/// they gave a camera. The result does not depend on the number of threads. Where `watch` ends it no frame has changed.
+/// they gave a camera. The result does not depend on the number of threads. `progress` hears of each frame. None where it cancels
+/// this: no frame has changed then.
 ///
 /// Every frame is solved beside the others as they were before. A frame whose clicks fit two cameras alike is solved once
 /// more beside the others as they are then.
-pub(super) fn solve_frames<E: Send>(
+pub(super) fn solve_frames(
     document: &mut Document,
     places: &[usize],
     fields: ShownFields<'_>,
     settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
-    watch: WatchFrames<'_, E>,
-) -> Result<Vec<Result<(), CalibrationError>>, E> {
+    progress: &Progress<'_, ()>,
+) -> Option<Vec<Result<(), CalibrationError>>> {
     let mut lookup = FrameLookup::of(document);
     let of_cameras = match fields {
         ShownFields::Document(fields) => fields.of_cameras(document),
@@ -52,19 +50,13 @@ pub(super) fn solve_frames<E: Send>(
     let given = document.clone();
     let solve_first = |&index: &usize| {
         let solved = solve(&given, &lookup, index);
-        match watch() {
-            ControlFlow::Continue(()) => Ok(solved),
-            ControlFlow::Break(error) => Err(error),
-        }
+        progress.report(()).is_continue().then_some(solved)
     };
     let (mut settled, mut again) = (Vec::with_capacity(places.len()), Vec::new());
     for some in places.chunks(AT_ONCE) {
-        let first = match some.par_iter().map(solve_first).collect::<Result<Vec<Solved>, E>>() {
-            Ok(first) => first,
-            Err(error) => {
-                *document = given;
-                return Err(error);
-            }
+        let Some(first) = some.par_iter().map(solve_first).collect::<Option<Vec<Solved>>>() else {
+            *document = given;
+            return None;
         };
         for (&index, solved) in some.iter().zip(first) {
             settle(&mut document.frames[index], solved.as_deref());
@@ -83,7 +75,7 @@ pub(super) fn solve_frames<E: Send>(
             settle(&mut document.frames[index], Ok(&solved));
         }
     }
-    Ok(settled)
+    Some(settled)
 }
 
 fn solve_one(
@@ -104,20 +96,20 @@ fn solve_one(
 }
 
 /// Solves those of some frames again whose camera comes from their clicks, or would have if there had been a base: a camera or a
-/// field has changed. `folder` is the document's.
+/// field has changed. `folder` is the document's. Where `progress` cancels this, nothing is solved.
 ///
 /// # Errors
-/// A field of the document is not valid, or `watch` ended it; nothing is solved then.
-pub(super) fn solve_by_clicks<E: Send + From<FieldError>>(
+/// A field of the document is not valid; nothing is solved then.
+pub(super) fn solve_by_clicks(
     document: &mut Document,
     folder: &Path,
     places: &[usize],
-    watch: WatchFrames<'_, E>,
-) -> Result<(), E> {
+    progress: &Progress<'_, ()>,
+) -> Result<(), FieldError> {
     let fields = Fields::of(document.at(folder))?;
     let places = places.iter().copied().filter(|&index| is_by_clicks(&document.frames[index]));
     let places: Vec<usize> = places.collect();
-    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, watch)?;
+    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, progress);
     Ok(())
 }
 
@@ -156,6 +148,7 @@ pub(super) fn record_if_solved(frame: &mut Frame, solved: Result<&FrameSolution,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ops::ControlFlow;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
@@ -190,14 +183,14 @@ mod tests {
         let (given, field) = clicked(AT_ONCE + 20);
         let places: Vec<usize> = (0..given.frames.len()).collect();
         let (solved, mut document) = (AtomicUsize::new(0), given.clone());
-        let ended = || match solved.fetch_add(1, Ordering::Relaxed) {
-            AT_ONCE.. => ControlFlow::Break("ended"),
+        let ended = Progress::new(|()| match solved.fetch_add(1, Ordering::Relaxed) {
+            AT_ONCE.. => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
-        };
+        });
         let result = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &ended);
-        assert_eq!(result, Err("ended"));
+        assert_eq!(result, None);
         assert_eq!(document, given, "what was written before it was ended is taken back");
-        let goes_on = || ControlFlow::<()>::Continue(());
+        let goes_on = Progress::default();
         let results = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &goes_on);
         assert_eq!(results.unwrap().iter().filter(|result| result.is_ok()).count(), AT_ONCE + 20);
         let focal_px = document.frames.iter().map(|frame| frame.ptz.as_ref().unwrap().ptz().focal_px);

@@ -1,9 +1,9 @@
 //! Which camera took a frame: giving frames to a camera.
 
-use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, record_if_solved, solve_frames};
-use std::ops::ControlFlow;
+use super::solve_frames::{ShownFields, is_by_clicks, record_if_solved, solve_frames};
 use thiserror::Error;
 use touchline_core::geometry::ImageSize;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Fields, FrameStatus};
 
 /// Why frames cannot be given to a camera.
@@ -77,7 +77,8 @@ pub fn assign_to_camera(
     fields: &Fields,
 ) -> Result<(), AssignError> {
     check_assigned(document, frames, camera)?;
-    assign_frames(document, frames, camera, fields, &|| ControlFlow::Continue(()))
+    assign_frames(document, frames, camera, fields, &Progress::default());
+    Ok(())
 }
 
 /// Whether frames can be assigned to a camera.
@@ -97,14 +98,15 @@ pub(super) fn check_assigned(document: &Document, frames: &[usize], camera: &Cam
     Ok(())
 }
 
-/// Assigns frames to a camera that can have them. Where `watch` ends it, frames have changed: the document is to be dropped.
-pub(super) fn assign_frames<E: Send>(
+/// Assigns frames to a camera that can have them. Where `progress` cancels this, frames have changed: the document is to be
+/// dropped.
+pub(super) fn assign_frames(
     document: &mut Document,
     frames: &[usize],
     camera: &CameraId,
     fields: &Fields,
-    watch: WatchFrames<'_, E>,
-) -> Result<(), E> {
+    progress: &Progress<'_, ()>,
+) {
     let base = document.camera(camera).and_then(Camera::base);
     let changes = |index: &usize| document.frames.get(*index).is_some_and(|frame| frame.camera != *camera);
     let given: Vec<usize> = frames.iter().copied().filter(changes).collect();
@@ -120,7 +122,10 @@ pub(super) fn assign_frames<E: Send>(
     if base.is_some() {
         let clicked: Vec<usize> =
             given.iter().copied().filter(|&index| is_by_clicks(&document.frames[index])).collect();
-        solve_frames(document, &clicked, ShownFields::Document(fields), record_if_solved, watch)?;
+        let fields = ShownFields::Document(fields);
+        if solve_frames(document, &clicked, fields, record_if_solved, progress).is_none() {
+            return;
+        }
     }
     for index in given {
         let frame = &document.frames[index];
@@ -130,5 +135,4 @@ pub(super) fn assign_frames<E: Send>(
             document.frames[index].status = status;
         }
     }
-    Ok(())
 }

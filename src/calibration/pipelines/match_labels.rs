@@ -11,18 +11,18 @@ use super::forest_labels::{
 use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
-    Abstention, DecidingLandmark, PictureOfFrame, UnclickedAnswer, UnclickedError, UnclickedProgress, WatchUnclicked,
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, DecidingLandmark, PictureOfFrame,
     camera_from_few_clicks, camera_without_clicks,
 };
-use crate::calibrate::{UnclickedCamera, clips, record_found};
+use crate::calibrate::{AutocalibratedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FrameStatus};
+use touchline_documents::document::{CameraId, Document, DocumentAt, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::RelocalizeOptions;
 
@@ -42,29 +42,34 @@ impl Default for MatchOptions {
 }
 
 /// What happens while a match is labelled.
-#[derive(Clone, Copy, Debug)]
-pub enum MatchEvent<'a> {
+#[derive(Debug)]
+pub enum MatchEvent {
     /// The search for a camera has come so far.
-    Searching(UnclickedProgress),
+    Searching(AutocalibrationProgress),
     /// The picture of a frame cannot be read. The others are looked at.
-    Unreadable(&'a Frame, &'a PictureError),
+    Unreadable {
+        /// The frame's name.
+        frame: String,
+        /// Why.
+        error: PictureError,
+    },
     /// A camera was found.
     Found {
         /// Its name.
-        camera: &'a CameraId,
+        camera: CameraId,
         /// The camera.
-        found: &'a UnclickedCamera,
+        found: Arc<AutocalibratedCamera>,
         /// Of another camera than the first: how many of the frames looked at overlap with none of those before.
         separate_frames: Option<usize>,
     },
     /// Another camera than the first was not found; its frames stay without.
     OtherNotFound {
         /// The document as it is now.
-        document: &'a Document,
+        document: Box<Document>,
         /// The camera's name.
-        camera: &'a CameraId,
+        camera: CameraId,
         /// Why there is no answer.
-        why: &'a NoCamera,
+        why: NoCamera,
         /// How many of the frames looked at overlap with none of those of the cameras before.
         separate_frames: usize,
     },
@@ -78,11 +83,8 @@ pub enum MatchEvent<'a> {
         of: usize,
     },
     /// The other frames of a video are tracked.
-    Tracking(TrackingEvent<'a>),
+    Tracking(TrackingEvent),
 }
-
-/// Receives what happens, from any thread. A break ends the search, the learning, the asking or the tracking.
-pub type WatchMatch<'a> = &'a (dyn Fn(MatchEvent<'_>) -> ControlFlow<()> + Sync);
 
 /// What came of a match.
 #[derive(Debug)]
@@ -99,9 +101,9 @@ pub enum NoCamera {
     /// Two cameras explain the paint alike.
     Two {
         /// The one that explains a little more.
-        best: Box<UnclickedCamera>,
+        best: Box<AutocalibratedCamera>,
         /// The other.
-        other: Box<UnclickedCamera>,
+        other: Box<AutocalibratedCamera>,
         /// A click that decides between the two.
         deciding: Option<DecidingLandmark>,
     },
@@ -113,7 +115,7 @@ pub enum NoCamera {
 #[derive(Debug)]
 pub struct LabelledMatch {
     /// The cameras that were found.
-    pub cameras: Vec<UnclickedCamera>,
+    pub cameras: Vec<Arc<AutocalibratedCamera>>,
     /// Frames that were not looked at and have a camera now.
     pub answered: usize,
     /// Frames that have none.
@@ -126,7 +128,7 @@ pub struct LabelledMatch {
 pub enum LabelMatchError {
     /// The search failed, or was ended.
     #[error(transparent)]
-    Search(#[from] UnclickedError),
+    Search(#[from] AutocalibrationError),
     /// The field of a camera is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
@@ -139,17 +141,17 @@ pub enum LabelMatchError {
 /// search; without them, or where they lead nowhere, it is found by the paint alone.
 ///
 /// # Errors
-/// The field is not valid, features cannot be found, or `watch` ended it.
+/// The field is not valid, features cannot be found, or `progress` cancelled it.
 pub fn find_camera(
     at: DocumentAt<'_>,
     camera: &CameraId,
     sampled_frames: usize,
     picture: PictureOfFrame<'_>,
-    watch: WatchUnclicked<'_>,
-) -> Result<UnclickedAnswer, UnclickedError> {
-    let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, watch)?;
-    if matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
-        camera_without_clicks(at, camera, sampled_frames, picture, watch)
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+    let by_clicks = camera_from_few_clicks(at, camera, sampled_frames, picture, progress)?;
+    if matches!(by_clicks, AutocalibrationAnswer::Abstained(_)) {
+        camera_without_clicks(at, camera, sampled_frames, picture, progress)
     } else {
         Ok(by_clicks)
     }
@@ -159,23 +161,24 @@ pub fn find_camera(
 /// them, and writes the cameras of all frames as suggestions. `folder` is where the document's paths start.
 ///
 /// # Errors
-/// The field is not valid, features cannot be found, no forest can be trained, or `watch` ended the search.
+/// The field is not valid, features cannot be found, no forest can be trained, or `progress` cancelled the search.
 pub fn label_match(
     document: &mut Document,
     folder: &Path,
     camera: &CameraId,
     reader: &mut dyn ReadFrames,
     options: &MatchOptions,
-    watch: WatchMatch<'_>,
+    progress: &Progress<'_, MatchEvent>,
 ) -> Result<MatchLabels, LabelMatchError> {
-    let mut labelling = Labelling { document, folder, reader, options, watch };
+    let mut labelling = Labelling { document, folder, reader, options, progress };
     let first = match labelling.search(camera)? {
         Ok(found) => found,
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
     };
     record_found(labelling.document, camera, &first);
-    // A search that is over is not ended any more.
-    let _ = watch(MatchEvent::Found { camera, found: &first, separate_frames: None });
+    // A search that is over is not cancelled any more; what follows is.
+    let _ =
+        progress.report(MatchEvent::Found { camera: camera.clone(), found: Arc::clone(&first), separate_frames: None });
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
     let without = |document: &Document| document.frames.iter().filter(|frame| frame.ptz.is_none()).count();
     let open = without(labelling.document);
@@ -192,12 +195,15 @@ struct Labelling<'a> {
     folder: &'a Path,
     reader: &'a mut dyn ReadFrames,
     options: &'a MatchOptions,
-    watch: WatchMatch<'a>,
+    progress: &'a Progress<'a, MatchEvent>,
 }
 
 impl Labelling<'_> {
     /// Searches a camera; reports each picture that cannot be read once.
-    fn search(&mut self, camera: &CameraId) -> Result<Result<UnclickedCamera, NoCamera>, UnclickedError> {
+    fn search(
+        &mut self,
+        camera: &CameraId,
+    ) -> Result<Result<Arc<AutocalibratedCamera>, NoCamera>, AutocalibrationError> {
         let at = self.document.at(self.folder);
         let mut unreadable = BTreeSet::new();
         let mut picture = |index: usize| {
@@ -206,17 +212,17 @@ impl Labelling<'_> {
                 Ok(picture) => Some(picture),
                 Err(error) => {
                     if unreadable.insert(index) {
-                        let _ = (self.watch)(MatchEvent::Unreadable(frame, &error));
+                        let _ = self.progress.report(MatchEvent::Unreadable { frame: frame.name(), error });
                     }
                     None
                 }
             }
         };
-        let watch = |progress| (self.watch)(MatchEvent::Searching(progress));
-        Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &watch)? {
-            UnclickedAnswer::Found(found) => Ok(*found),
-            UnclickedAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
-            UnclickedAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
+        let progress = self.progress.part(MatchEvent::Searching);
+        Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &progress)? {
+            AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
+            AutocalibrationAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
+            AutocalibrationAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
         })
     }
 
@@ -225,8 +231,8 @@ impl Labelling<'_> {
     fn find_other_cameras(
         &mut self,
         camera: CameraId,
-        first: UnclickedCamera,
-    ) -> Result<Vec<UnclickedCamera>, UnclickedError> {
+        first: Arc<AutocalibratedCamera>,
+    ) -> Result<Vec<Arc<AutocalibratedCamera>>, AutocalibrationError> {
         let (mut found, mut of) = (vec![first], camera);
         while let Some(last) = found.last() {
             let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
@@ -235,14 +241,18 @@ impl Labelling<'_> {
             match self.search(&other)? {
                 Ok(camera) => {
                     record_found(self.document, &other, &camera);
-                    let separate_frames = Some(separate_frames);
-                    let _ = (self.watch)(MatchEvent::Found { camera: &other, found: &camera, separate_frames });
+                    let _ = self.progress.report(MatchEvent::Found {
+                        camera: other.clone(),
+                        found: Arc::clone(&camera),
+                        separate_frames: Some(separate_frames),
+                    });
                     found.push(camera);
                     of = other;
                 }
                 Err(why) => {
-                    let (document, camera, why) = (&*self.document, &other, &why);
-                    let _ = (self.watch)(MatchEvent::OtherNotFound { document, camera, why, separate_frames });
+                    let document = Box::new(self.document.clone());
+                    let event = MatchEvent::OtherNotFound { document, camera: other, why, separate_frames };
+                    let _ = self.progress.report(event);
                     break;
                 }
             }
@@ -251,20 +261,20 @@ impl Labelling<'_> {
     }
 
     /// Labels the frames that have no camera yet, from those of the cameras found.
-    fn label_the_rest(&mut self, found: &[UnclickedCamera]) -> Result<(), LabelMatchError> {
+    fn label_the_rest(&mut self, found: &[Arc<AutocalibratedCamera>]) -> Result<(), LabelMatchError> {
         if self.document.frames.iter().all(|frame| frame.video.is_none()) {
             return self.label_by_forest(found);
         }
         let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
         let clips = clips(self.document.at(self.folder), None);
-        let mut watch = |event: TrackingEvent<'_>| (self.watch)(MatchEvent::Tracking(event));
-        track_clips(self.document, self.folder, &clips, self.reader, &options, &mut Vec::new(), &mut watch)?;
+        let progress = self.progress.part(MatchEvent::Tracking);
+        track_clips(self.document, self.folder, &clips, self.reader, &options, &mut Vec::new(), &progress)?;
         Ok(())
     }
 
     /// Asks a forest. It learns from the frames that lie on their own paint, as if a person had accepted them; the document keeps them
     /// as suggestions.
-    fn label_by_forest(&mut self, found: &[UnclickedCamera]) -> Result<(), LabelMatchError> {
+    fn label_by_forest(&mut self, found: &[Arc<AutocalibratedCamera>]) -> Result<(), LabelMatchError> {
         let frames = found.iter().flat_map(|found| &found.frames);
         let mut on_paint: Vec<usize> =
             frames.filter(|frame| frame.snapped.is_some()).map(|frame| frame.index).collect();
@@ -276,13 +286,13 @@ impl Labelling<'_> {
         let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
         let pictures =
             FramePictures { document: &accepted, folder: self.folder, options: options.features, store: &store };
-        let progress = Progress::new(|progress| (self.watch)(MatchEvent::Learning(progress)));
+        let progress = self.progress.part(MatchEvent::Learning);
         let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &progress)? else { return Ok(()) };
         let asked: Vec<usize> =
             (0..self.document.frames.len()).filter(|&index| self.document.frames[index].ptz.is_none()).collect();
         let forest = ForestRequest { model: &learnt.model, generation: 0, options: RelocalizeOptions::default() };
         let files = PictureFiles { folder: self.folder, store: &store };
-        let progress = Progress::new(|done| (self.watch)(MatchEvent::Asking { done, of: asked.len() }));
+        let progress = self.progress.part(|done| MatchEvent::Asking { done, of: asked.len() });
         label_frames(self.document, files, self.reader, &asked, &forest, true, &progress)?;
         Ok(())
     }

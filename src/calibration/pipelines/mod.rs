@@ -17,7 +17,6 @@ pub use forest_labels::{
     panic_message, propose_on_lines,
 };
 pub use match_labels::{
-    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, WatchMatch, find_camera,
-    label_match,
+    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, find_camera, label_match,
 };
-pub use track_clips::{TrackedFrames, TrackingEvent, TrackingOptions, WatchTracking, give_first_base, track_clips};
+pub use track_clips::{TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips};

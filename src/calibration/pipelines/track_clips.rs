@@ -5,12 +5,12 @@
 //! corrected in the document as it was before it, and the clips are tracked again, from the points that were followed already.
 
 use crate::calibrate::{
-    BaseEstimationError, BaseProblem, ClipEvidence, ClipFrames, ClipProgress, LengthOnLines, PaintSeen, TrackClipError,
-    TrackClipOptions, TrackedClip, estimate_on_paint, length_on_lines, record_tracked, take_length, track_clip,
+    BaseEstimationError, BaseProblem, ClipEvidence, ClipFrames, ClipProgress, ClipSpan, LengthOnLines, PaintSeen,
+    TrackClipError, TrackClipOptions, TrackedClip, estimate_on_paint, length_on_lines, record_tracked, take_length,
+    track_clip,
 };
 use crate::proposals::read_picture;
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_core::field::FieldError;
 use touchline_core::geometry::mean;
@@ -40,22 +40,22 @@ pub struct TrackingOptions {
 }
 
 /// What happens while clips are tracked.
-#[derive(Clone, Copy, Debug)]
-pub enum TrackingEvent<'a> {
+#[derive(Debug)]
+pub enum TrackingEvent {
     /// A clip is begun.
-    Begun(&'a ClipFrames),
+    Begun(ClipSpan),
     /// It has come so far.
     Progress(ClipProgress),
     /// The painted lines of the frames are looked at, to refine the base of a camera.
-    Refining(&'a CameraId),
+    Refining(CameraId),
     /// A clip was tracked.
-    Tracked(&'a ClipFrames, &'a TrackedClip),
+    Tracked(ClipSpan, Box<TrackedClip>),
     /// A clip could not be tracked; the others are.
-    Failed(&'a ClipFrames, &'a TrackClipError),
+    Failed(ClipSpan, TrackClipError),
     /// The painted lines show the length of the field. It is taken, and the clips are tracked again, unless it is prescribed.
-    Length(&'a LengthOnLines),
+    Length(LengthOnLines),
     /// The base of a camera was refined, and the clips are tracked again with it.
-    Refined(&'a CameraId, &'a PaintSeen),
+    Refined(CameraId, PaintSeen),
     /// The frames are less certain with the refined bases, or fewer: those before stay. The mean confidences, 0 to 1.
     NoBetter {
         /// Of those that stay.
@@ -64,9 +64,6 @@ pub enum TrackingEvent<'a> {
         refined: f64,
     },
 }
-
-/// Hears what happens; may end it.
-pub type WatchTracking<'a> = &'a mut dyn FnMut(TrackingEvent<'_>) -> ControlFlow<()>;
 
 /// What came of the frames of a document's clips.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,7 +89,7 @@ pub fn track_clips(
     reader: &mut dyn ReadFrames,
     options: &TrackingOptions,
     evidence: &mut Vec<ClipEvidence>,
-    watch: WatchTracking<'_>,
+    progress: &Progress<'_, TrackingEvent>,
 ) -> Result<TrackedFrames, FieldError> {
     evidence.resize(clips.len(), ClipEvidence::default());
     if options.refine_base {
@@ -101,7 +98,7 @@ pub fn track_clips(
             let _ = give_first_base(document, folder, camera, &BaseOptions::default());
         }
     }
-    let mut tracking = Tracking { folder, clips, reader, options, evidence, watch, is_stopped: false };
+    let mut tracking = Tracking { folder, clips, reader, options, evidence, progress };
     // What is known before a pass. Tracked cameras hold nothing, so that each pass begins from it.
     let mut known = document.clone();
     let mut frames = tracking.pass(document)?;
@@ -114,7 +111,7 @@ pub fn track_clips(
     if options.refine_base {
         frames = tracking.refine_until_settled(document, known, frames)?;
     }
-    Ok(TrackedFrames { is_stopped: tracking.is_stopped, ..frames })
+    Ok(TrackedFrames { is_stopped: progress.is_cancelled(), ..frames })
 }
 
 /// Gives a camera that has no base one from its clicks, and solves its frames with it.
@@ -146,52 +143,42 @@ struct Tracking<'a> {
     reader: &'a mut dyn ReadFrames,
     options: &'a TrackingOptions,
     evidence: &'a mut [ClipEvidence],
-    watch: WatchTracking<'a>,
-    /// Whether the listener has asked to end it.
-    is_stopped: bool,
+    progress: &'a Progress<'a, TrackingEvent>,
 }
 
 impl Tracking<'_> {
-    /// Reports an event; whether to go on.
-    fn report(&mut self, event: TrackingEvent<'_>) -> bool {
-        self.is_stopped |= (self.watch)(event).is_break();
-        !self.is_stopped
-    }
-
     /// Tracks each clip once, from the cameras that the document knows.
     fn pass(&mut self, document: &mut Document) -> Result<TrackedFrames, FieldError> {
         let known = document.clone();
         let fields = Fields::of(known.at(self.folder))?;
         let mut frames = TrackedFrames::default();
         for (index, clip) in self.clips.iter().enumerate() {
-            let Some(first) = clip.frames.iter().find_map(|frame| known.frames.get(frame.place?)) else { continue };
+            let first = clip.frames.iter().find_map(|frame| known.frames.get(frame.place?));
+            let Some((span, first)) = clip.span().zip(first) else { continue };
             let field = fields.of_frame(&known, first);
-            if !self.report(TrackingEvent::Begun(clip)) {
+            if self.progress.report(TrackingEvent::Begun(span.clone())).is_break() {
                 break;
             }
-            let mut report = |progress| (self.watch)(TrackingEvent::Progress(progress));
+            let of_clip = self.progress.part(TrackingEvent::Progress);
             let (at, evidence) = (known.at(self.folder), &mut self.evidence[index]);
-            let goes_on = match track_clip(at, clip, field, self.reader, &self.options.clip, evidence, &mut report) {
+            let end = match track_clip(at, clip, field, self.reader, &self.options.clip, evidence, &of_clip) {
                 Ok(tracked) => {
                     record_tracked(document, &tracked);
                     frames.tracked += tracked.frames.len();
                     frames.missed += tracked.missed.len();
-                    self.report(TrackingEvent::Tracked(clip, &tracked))
+                    TrackingEvent::Tracked(span, Box::new(tracked))
                 }
-                Err(TrackClipError::Stopped) => {
-                    self.is_stopped = true;
-                    false
-                }
+                Err(TrackClipError::Stopped) => break,
                 Err(error) => {
                     frames.missed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
-                    self.report(TrackingEvent::Failed(clip, &error))
+                    TrackingEvent::Failed(span, error)
                 }
             };
-            if !goes_on {
+            if self.progress.report(end).is_break() {
                 break;
             }
         }
-        Ok(TrackedFrames { is_stopped: self.is_stopped, ..frames })
+        Ok(TrackedFrames { is_stopped: self.progress.is_cancelled(), ..frames })
     }
 
     /// Measures the length of the field where the tracked frames doubt it, and takes it into the document as it was known before, if
@@ -200,7 +187,7 @@ impl Tracking<'_> {
         let (reader, folder) = (&mut *self.reader, self.folder);
         let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, folder).ok();
         let Some(found) = length_on_lines(document.at(folder), &mut picture)? else { return Ok(false) };
-        if !self.report(TrackingEvent::Length(&found)) || found.is_prescribed {
+        if self.progress.report(TrackingEvent::Length(found.clone())).is_break() || found.is_prescribed {
             return Ok(false);
         }
         take_length(known, &found);
@@ -234,7 +221,8 @@ impl Tracking<'_> {
             }
         }
         if last < best - CONFIDENCE_NOISE {
-            self.report(TrackingEvent::NoBetter { kept: best, refined: last });
+            // Nothing is left to cancel.
+            let _ = self.progress.report(TrackingEvent::NoBetter { kept: best, refined: last });
         }
         Ok(frames)
     }
@@ -244,13 +232,13 @@ impl Tracking<'_> {
         let mut refined = known.clone();
         let mut is_any = false;
         for camera in cameras_of(self.clips) {
-            if !self.report(TrackingEvent::Refining(camera)) {
+            if self.progress.report(TrackingEvent::Refining(camera.clone())).is_break() {
                 return None;
             }
             // Too little paint, or clicks alone that give no base: the base stays.
             let Ok(Some(seen)) = self.refine_base(tracked, camera, &mut refined) else { continue };
             is_any = true;
-            if !self.report(TrackingEvent::Refined(camera, &seen)) {
+            if self.progress.report(TrackingEvent::Refined(camera.clone(), seen)).is_break() {
                 return None;
             }
         }

@@ -1,6 +1,6 @@
 //! What the painted lines say about a proposed camera, how that enters its confidence, and the camera pulled onto them.
 
-use super::{Answer, NoProposal, Proposal, read_picture};
+use super::{Answer, FramePicture, NoProposal, PictureStream, Proposal, read_picture};
 use crate::calibrate::may_replace;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -51,13 +51,13 @@ impl LineEvidence {
     pub fn of(at: DocumentAt<'_>, reader: &mut dyn ReadFrames, snapping: bool) -> Result<Self, FieldError> {
         let fields = Fields::of(at)?;
         let mut evidence = Self { fields, proven: None, snapping };
-        let solved = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
-        let references: Vec<&Frame> = at.document.frames.iter().map(|frame| &**frame).filter(solved).collect();
-        for frame in references.iter().step_by(references.len().div_ceil(REFERENCES).max(1)) {
-            let (Some(camera), Ok(picture)) = (at.document.pointed(frame), read_picture(reader, frame, at.folder))
-            else {
-                continue;
-            };
+        let is_solved = |frame: &Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
+        let references: Vec<usize> =
+            (0..at.document.frames.len()).filter(|&index| is_solved(&at.document.frames[index])).collect();
+        let stride = references.len().div_ceil(REFERENCES).max(1);
+        let pictures = PictureStream::new(at, references.into_iter().step_by(stride)).with_reader(reader);
+        for FramePicture { frame, picture, .. } in pictures {
+            let (Some(camera), Ok(picture)) = (at.document.pointed(frame), picture) else { continue };
             let check =
                 check_lines(&ground(at, frame, &picture), evidence.fields.of_frame(at.document, frame), &camera);
             if can_say(&check) {

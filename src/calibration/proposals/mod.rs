@@ -2,7 +2,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
+//! | [`read_picture`], [`PictureStream`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames, one or one after the other; their features, kept on disk |
 //! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
 //! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
@@ -65,10 +65,10 @@ pub use layer::{Layered, Offer};
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_evidence::LineEvidence;
 pub use order::AskingOrder;
-pub use picture::{PictureError, read_picture};
+pub use picture::{FramePicture, PictureError, PictureStream, read_picture};
 pub use proposal::{Answer, NoProposal, Proposal, Timings};
 pub use proposing::propose;
-pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, QualityProgress, WRONG_PX, measure, overlay_error_px};
+pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
 pub use suspects::{Suspect, find_suspects};
 pub use training_frames::TrainingFrames;

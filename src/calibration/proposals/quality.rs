@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::median;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3};
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
@@ -137,43 +137,30 @@ struct Collected {
     cameras: Vec<(Ptz, Mat3)>,
 }
 
-/// How many groups of references were left out and asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct QualityProgress {
-    /// Groups done.
-    pub done: usize,
-    /// Groups in all; 0 while features are found.
-    pub of: usize,
-}
-
 /// Leaves references out and asks for them. None if `progress` cancelled it, or where nothing is left to learn from without a
-/// group.
+/// group. A step counts groups; there are none yet while features are found.
 pub fn measure(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
     training_frames: &[usize],
     options: &LearnOptions,
     relocalizing: &RelocalizeOptions,
-    progress: &Progress<'_, QualityProgress>,
+    progress: &Progress<'_, Share>,
 ) -> Option<Quality> {
     let document = pictures.document;
     let camera = most_used(document, training_frames)?;
     let base = camera.base()?;
     let of_camera: Vec<usize> =
         training_frames.iter().copied().filter(|&index| document.frames[index].camera == camera.id).collect();
-    let collected = Collected::from(
-        pictures,
-        reader,
-        &spread(of_camera, MOST_REFERENCES),
-        &progress.part(|()| QualityProgress::default()),
-    )?;
+    let collected =
+        Collected::from(pictures, reader, &spread(of_camera, MOST_REFERENCES), &progress.part(|()| Share::default()))?;
     let (left_out_by, mut groups) = groups(document, &collected.frames);
     groups.retain(|group| group.left_out.len() < collected.frames.len());
     let count = groups.len();
     let groups = spread(groups, MOST_GROUPS);
     let mut asked = Vec::new();
     for (done, group) in groups.iter().enumerate() {
-        let so_far = QualityProgress { done, of: groups.len() };
+        let so_far = Share { done, of: groups.len() };
         progress.report(so_far).continue_value()?;
         let forest =
             match train_without(&collected.samples, &group.left_out, &options.train, &progress.part(|_| so_far)) {

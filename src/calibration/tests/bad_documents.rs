@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use touchline_calibration::calibrate::{Problem, check_pictures, check_values};
 use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Click, Document, FieldSpec, Frame, FrameStatus, document_from_bytes, document_to_string,
 };
@@ -422,7 +423,7 @@ fn check_looks_at_the_pictures() {
     document.frames[0].sha256 =
         Some(touchline_vision::media::sha256_of_file(&folder.join("good.png")).unwrap().to_uppercase());
     document.frames[3].sha256 = Some("0".repeat(64));
-    let problems = check_pictures(document.at(folder), &|| {});
+    let problems = check_pictures(document.at(folder), &Progress::default());
     let codes: Vec<_> = problems.iter().map(|problem| (problem.frame.unwrap(), problem.fault.code())).collect();
     let expected = [(1, "missing_picture"), (2, "picture_size"), (3, "picture_changed"), (4, "unreadable_picture")];
     assert_eq!(codes, expected);

@@ -8,6 +8,29 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// A step of a function that does the same thing for a number of parts: how many are done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Parts that are done.
+    pub done: usize,
+    /// All parts.
+    pub of: usize,
+}
+
+impl Share {
+    /// From 0 to 1.
+    #[must_use]
+    pub fn fraction(self) -> f32 {
+        if self.of == 0 { 0.0 } else { (self.done as f32 / self.of as f32).min(1.0) }
+    }
+
+    /// In whole percent.
+    #[must_use]
+    pub fn percent(self) -> usize {
+        100 * self.done / self.of.max(1)
+    }
+}
+
 /// Receives the steps of a long function, from any thread, and may cancel it.
 pub struct Progress<'a, S> {
     receive: Box<dyn Fn(S) -> ControlFlow<()> + Sync + 'a>,
@@ -39,6 +62,12 @@ impl<'a, S> Progress<'a, S> {
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
+    }
+
+    /// A progress with the same receiver for another run of the function, which begins uncancelled even if this one was cancelled.
+    #[must_use]
+    pub fn renew(&self) -> Progress<'_, S> {
+        Progress::new(|step| (self.receive)(step))
     }
 
     /// The progress of a part of the function. Each step of the part becomes one of the whole; both are cancelled together.
@@ -83,6 +112,18 @@ mod tests {
         assert!(whole.is_cancelled() && second.check().is_break());
         assert!(second.report(3).is_break(), "a later step is received, but does not revive the function");
         assert_eq!(*received.lock().unwrap(), [10, 20, 300]);
+    }
+
+    #[test]
+    fn another_run_begins_uncancelled() {
+        let patience = AtomicBool::new(false);
+        let first = Progress::new(|()| {
+            if patience.load(Ordering::Relaxed) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        assert!(first.report(()).is_break());
+        patience.store(true, Ordering::Relaxed);
+        assert!(first.check().is_break());
+        assert!(first.renew().report(()).is_continue());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
+use touchline_core::progress::Progress;
 use touchline_vision::media::{self, FrameSource, MediaError, VideoInfo};
 
 /// The name of a new document's camera.
@@ -23,14 +24,15 @@ pub struct NewDocument {
 /// Makes a document of every `every`-th frame of a source, for a project in `folder` (absolute): new frames, and a camera
 /// for each size of picture, the first one called `main`, of which nothing else is known.
 ///
-/// Images are read in parallel for their size and SHA-256; `progress` is called once for each frame, from any thread.
+/// Images are read in parallel for their size and SHA-256; `progress` hears of each frame, from any thread. Where it cancels this,
+/// frames are missing.
 #[must_use]
 pub fn document_from_frames(
     source: &FrameSource,
     folder: &Path,
     field: FieldSpec,
     every: NonZeroUsize,
-    progress: &(dyn Fn() + Sync),
+    progress: &Progress<'_, ()>,
 ) -> NewDocument {
     let mut made = NewDocument { document: Document::new(field), left_out: Vec::new() };
     match source {
@@ -38,10 +40,9 @@ pub fn document_from_frames(
             let images: Vec<&PathBuf> = listing.images.iter().step_by(every.get()).collect();
             let read = images.par_iter().map(|path| {
                 let read = media::image_size(path).and_then(|size| Ok((size, media::sha256_of_file(path)?)));
-                progress();
-                read
+                progress.report(()).is_continue().then_some(read)
             });
-            let read: Vec<_> = read.collect();
+            let read: Vec<_> = read.while_some().collect();
             for (path, read) in images.into_iter().zip(read) {
                 match read {
                     Ok((size, sha256)) => made.add_image(&relative(folder, path), size, sha256),
@@ -65,13 +66,15 @@ impl NewDocument {
         self.document.frames.push(Frame { sha256: Some(sha256), ..Frame::from_image(image, camera, size) }.into());
     }
 
-    fn add_video(&mut self, info: &VideoInfo, folder: &Path, every: NonZeroUsize, progress: &(dyn Fn() + Sync)) {
+    fn add_video(&mut self, info: &VideoInfo, folder: &Path, every: NonZeroUsize, progress: &Progress<'_, ()>) {
         let camera = self.camera_of_size(info.size);
         let path = relative(folder, &info.path);
         for index in (0..info.decoded_frames).step_by(every.get()) {
             let video = VideoFrame::new(&path, index as u64, info.pts_s(index));
             self.document.frames.push(Frame::from_video(video, camera.clone(), info.size).into());
-            progress();
+            if progress.report(()).is_break() {
+                break;
+            }
         }
     }
 
@@ -110,7 +113,7 @@ mod tests {
         let source = FrameSource::open(&frames).unwrap();
         let folder = root.path().join("project");
         let every = NonZeroUsize::MIN;
-        let made = document_from_frames(&source, &folder, FieldSpec::new("soccer"), every, &|| {});
+        let made = document_from_frames(&source, &folder, FieldSpec::new("soccer"), every, &Progress::default());
         let names: Vec<_> = made.document.frames.iter().map(|frame| frame.name()).collect();
         assert_eq!(names, ["../frames/9.png", "../frames/10.png", "../frames/11.png"]);
         let cameras: Vec<_> = made.document.cameras.iter().map(|camera| camera.id.as_str().to_owned()).collect();

@@ -4,7 +4,7 @@ use super::clip::DrawnClip;
 use crate::ExperimentError;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use touchline_calibration::autocalibrate::{Doubt, UnclickedAnswer, camera_without_clicks};
+use touchline_calibration::autocalibrate::{AutocalibrationAnswer, Doubt, camera_without_clicks};
 use touchline_calibration::calibrate::{
     ClipEvidence, FrameLookup, TrackClipOptions, calibrate, clips, record_found, record_tracked, track_clip,
 };
@@ -134,8 +134,7 @@ fn carry(clip: &DrawnClip, labelled: &mut Labelled, evidence: &mut ClipEvidence)
     let (mut reader, options) = (FrameReader::new(), TrackClipOptions::default());
     let at = labelled.document.at(clip.folder());
     let Some(frames) = clips(at, None).into_iter().next() else { return Ok(()) };
-    let tracked =
-        track_clip(at, &frames, &clip.field, &mut reader, &options, evidence, &mut |_| ControlFlow::Continue(()));
+    let tracked = track_clip(at, &frames, &clip.field, &mut reader, &options, evidence, &Progress::default());
     let tracked = tracked.map_err(|error| wrong(clip, &error))?;
     record_tracked(&mut labelled.document, &tracked);
     Ok(())
@@ -153,17 +152,16 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     let mut reader = FrameReader::new();
     let document = labelled.document.clone();
     let mut picture = |frame: usize| read_picture(&mut reader, &document.frames[frame], clip.folder()).ok();
-    let answer = camera_without_clicks(document.at(clip.folder()), &camera, LOOK_AT, &mut picture, &|_| {
-        ControlFlow::Continue(())
-    });
+    let at = document.at(clip.folder());
+    let answer = camera_without_clicks(at, &camera, LOOK_AT, &mut picture, &Progress::default());
     match answer.map_err(|error| wrong(clip, &error))? {
-        UnclickedAnswer::Found(found) => {
+        AutocalibrationAnswer::Found(found) => {
             record_found(&mut labelled.document, &camera, &found);
             carry(clip, &mut labelled, &mut ClipEvidence::default())?;
             Ok(Ok(labelled))
         }
-        UnclickedAnswer::Abstained(why) => Ok(Err(why.to_string())),
-        UnclickedAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
+        AutocalibrationAnswer::Abstained(why) => Ok(Err(why.to_string())),
+        AutocalibrationAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The camera panel: position, base rotation, lens, masks, and the field. The overlay follows while a number is dragged, so
 //! that a base can be fitted manually.
 
+mod autocalibration;
 mod estimate;
 mod evidence;
 mod field;
@@ -9,7 +10,6 @@ mod numbers;
 mod over_time;
 mod paint_map;
 mod position_view;
-mod unclicked;
 
 use super::{
     Panel, inspector,
@@ -47,7 +47,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             if !settled {
                 field::show(panel, ui);
             }
-            unclicked::show(panel, ui, &camera);
+            autocalibration::show(panel, ui, &camera);
             paint_map::show(panel, ui, &camera);
             estimate::show(panel, ui, &camera);
             over_time::show(panel, ui, &camera);

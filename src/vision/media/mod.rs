@@ -6,6 +6,7 @@
 //! | [`load_image`], [`image_size`], [`list_images`] | image files: PNG, JPEG, TIFF, BMP, WebP; EXIF orientation applied |
 //! | [`Video`], [`VideoInfo`] | frames of a video by their true number (feature `opencv`) |
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
+//! | [`FrameStream`] | a list of frames, read in its order |
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
 //! | [`Notice`] | remarks for the user about a source that is usable |
@@ -26,6 +27,7 @@ mod picture;
 mod prefetch;
 mod reader;
 mod source;
+mod stream;
 mod thumbnail;
 mod video;
 
@@ -40,5 +42,6 @@ pub use picture::Picture;
 pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
 pub use reader::{FrameReader, ReadFrames};
 pub use source::{FrameRef, FrameSource};
+pub use stream::{FrameStream, StreamedFrame};
 pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
 pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};

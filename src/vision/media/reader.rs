@@ -2,9 +2,9 @@
 
 use super::{CountProgress, FrameRef, MediaError, Notice, Picture, Video, VideoInfo, load_image};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
+use touchline_core::progress::Progress;
 
 /// Whatever fetches frames: a [`FrameReader`], or a test's stand-in for one.
 pub trait ReadFrames {
@@ -20,8 +20,15 @@ pub trait ReadFrames {
     }
 }
 
-/// Asked now and then while the frames of a video are counted.
-type CountWatch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
+impl<R: ReadFrames + ?Sized> ReadFrames for &mut R {
+    fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        (**self).read(frame)
+    }
+
+    fn take_notices(&mut self) -> Vec<Notice> {
+        (**self).take_notices()
+    }
+}
 
 /// Fetches frames of images and videos. Belongs to one thread: a video's decoder stands at one place at a time.
 pub struct FrameReader {
@@ -30,7 +37,8 @@ pub struct FrameReader {
     /// The videos whose notices have been given.
     noticed: BTreeSet<Arc<Path>>,
     notices: Vec<Notice>,
-    watch: CountWatch,
+    /// Of the counting of a video's frames, for each video anew.
+    counting: Progress<'static, CountProgress>,
 }
 
 /// How many videos stay open: each holds a decoder with some twenty reference frames.
@@ -38,7 +46,7 @@ const OPEN_VIDEOS: usize = 2;
 
 impl Default for FrameReader {
     fn default() -> Self {
-        Self::watched(Box::new(|_| ControlFlow::Continue(())))
+        Self::with_progress(Progress::default())
     }
 }
 
@@ -49,11 +57,11 @@ impl FrameReader {
         Self::default()
     }
 
-    /// A reader that reports the progress of counting a video's frames to `watch`, which may stop it: see
-    /// [`Video::open_watched`].
+    /// A reader that reports to `counting` while it counts the frames of a video: see [`Video::open_with_progress`]. Where that is
+    /// cancelled the video is not opened; the next read tries again.
     #[must_use]
-    pub fn watched(watch: CountWatch) -> Self {
-        Self { videos: Vec::new(), noticed: BTreeSet::new(), notices: Vec::new(), watch }
+    pub fn with_progress(counting: Progress<'static, CountProgress>) -> Self {
+        Self { videos: Vec::new(), noticed: BTreeSet::new(), notices: Vec::new(), counting }
     }
 
     /// The pixels of a frame.
@@ -83,7 +91,7 @@ impl FrameReader {
     fn video(&mut self, path: &Path) -> Result<&mut Video, MediaError> {
         let video = match self.videos.iter().position(|video| *video.info().path == *path) {
             Some(at) => self.videos.remove(at),
-            None => Video::open_watched(path, &mut self.watch)?,
+            None => Video::open_with_progress(path, &self.counting.renew())?,
         };
         if self.noticed.insert(Arc::clone(&video.info().path)) {
             self.notices.extend(video.info().notices.iter().cloned());

@@ -3,10 +3,10 @@
 use super::folder::has_image_extension;
 use super::{CountProgress, FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images};
 use std::fmt;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
+use touchline_core::progress::Progress;
 
 /// One frame: an image file, or a frame of a video by its number among the decoded frames.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -79,25 +79,22 @@ impl FrameSource {
     /// # Errors
     /// Those of [`list_images`], [`image_size`] and [`Video::open`].
     pub fn open(path: &Path) -> Result<Self, MediaError> {
-        Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
+        Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens as [`FrameSource::open`] does; `watch` receives the progress of counting a video's frames, and may
-    /// end it.
+    /// Opens as [`FrameSource::open`] does; `progress` hears how far the counting of a video's frames has come, and may cancel
+    /// it.
     ///
     /// # Errors
-    /// As [`FrameSource::open`]; [`MediaError::Stopped`] when `watch` ended it.
-    pub fn open_watched(
-        path: &Path,
-        watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
-    ) -> Result<Self, MediaError> {
+    /// As [`FrameSource::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
+    pub fn open_with_progress(path: &Path, progress: &Progress<'_, CountProgress>) -> Result<Self, MediaError> {
         if path.is_dir() {
             Ok(Self::Folder(list_images(path)?))
         } else if has_image_extension(path) {
             image_size(path)?;
             Ok(vec![path.to_path_buf()].into())
         } else {
-            Ok(Self::Video(Video::open_watched(path, watch)?.info().clone()))
+            Ok(Self::Video(Video::open_with_progress(path, progress)?.info().clone()))
         }
     }
 

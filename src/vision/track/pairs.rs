@@ -6,8 +6,9 @@ use super::tie::{brought, zoom_and_turn};
 use super::{Tie, TrackError};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::geometry::{ImagePoint, Mat3};
+use touchline_core::progress::{Progress, Share};
 
 /// Matches agree with a homography within this distance, px at 1920 px width.
 const WITHIN_PX: f64 = 6.0;
@@ -28,31 +29,25 @@ const MAX_TURN_DEG: f64 = 20.0;
 /// At most as many matches of a tie are kept, spread over the picture.
 const KEPT: usize = 48;
 
-/// Ties every pair of frames that show the same; ties that the others contradict are left out. `progress` is told how many of
-/// the pairs are done, and may end it; what was found until then is returned.
+/// Ties every pair of frames that show the same; ties that the others contradict are left out. If `progress` cancels it, what was
+/// found until then is returned. A step counts pairs.
 ///
 /// # Errors
 /// The program was built without OpenCV, or OpenCV refused.
-pub fn tie_frames(
-    frames: &[Features],
-    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
-) -> Result<Vec<Tie>, TrackError> {
-    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+pub fn tie_frames(frames: &[Features], progress: &Progress<'_, Share>) -> Result<Vec<Tie>, TrackError> {
     let pairs: Vec<(usize, usize)> =
         (0..frames.len()).flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second))).collect();
     let described: Vec<Described> = frames.par_iter().map(Described::of).collect();
-    let (done, ended) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let done = AtomicUsize::new(0);
     let ties: Vec<Option<Tie>> = pairs
         .par_iter()
         .map(|&(first, second)| {
-            if ended.load(Ordering::Relaxed) {
+            if progress.is_cancelled() {
                 return Ok(None);
             }
             let tie = tie_pair(frames, &described, first, second);
-            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-            if progress(count, pairs.len()).is_break() {
-                ended.store(true, Ordering::Relaxed);
-            }
+            // The pairs that follow ask whether it is cancelled.
+            let _ = progress.report(Share { done: done.fetch_add(1, Ordering::Relaxed) + 1, of: pairs.len() });
             tie
         })
         .collect::<Result<_, _>>()?;

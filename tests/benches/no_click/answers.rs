@@ -1,16 +1,16 @@
 //! What was answered, held against the truth.
 
 use std::fmt;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
-use touchline::autocalibrate::{Abstention, UnclickedAnswer, camera_from_few_clicks, camera_without_clicks};
-use touchline::calibrate::{UnclickedCamera, record_found};
+use touchline::autocalibrate::{Abstention, AutocalibrationAnswer, camera_from_few_clicks, camera_without_clicks};
+use touchline::calibrate::{AutocalibratedCamera, record_found};
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
 use touchline::field::{FieldModel, Landmark};
 use touchline::geometry::{ImagePoint, Vec3};
 use touchline::media::FrameReader;
+use touchline::progress::Progress;
 use touchline::proposals::read_picture;
 
 /// Every answered frame's overlay is at most so far off at the worst place of the ground that it shows, px of the picture.
@@ -66,15 +66,15 @@ pub enum Way {
 }
 
 /// The answer to a document's frames, and how long it took, s.
-pub fn answer(document: &Document, folder: &Path, way: Way) -> (UnclickedAnswer, f64) {
+pub fn answer(document: &Document, folder: &Path, way: Way) -> (AutocalibrationAnswer, f64) {
     let start = Instant::now();
     let mut reader = FrameReader::new();
     let mut picture = |index: usize| read_picture(&mut reader, &document.frames[index], folder).ok();
     let camera = &document.cameras[0].id;
-    let watch = |_| ControlFlow::Continue(());
+    let progress = Progress::default();
     let answer = match way {
-        Way::WithoutClicks => camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch),
-        Way::FewClicks => camera_from_few_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch),
+        Way::WithoutClicks => camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &progress),
+        Way::FewClicks => camera_from_few_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &progress),
     };
     let answer = answer.unwrap();
     (answer, start.elapsed().as_secs_f64())
@@ -108,7 +108,7 @@ pub fn two_clicked(document: &Document, truth: &[PtzCamera], field: &FieldModel)
 
 /// Where a place of the real field lies on the field of an answer that assumes a length which the frames do not show: as far from the
 /// end that they show. Its origin, the middle of the field, is then half the difference off, and so is everything that is told from it.
-fn moved_with_the_end_seen(found: &UnclickedCamera, truth: &[PtzCamera], field: &FieldModel) -> Vec3 {
+fn moved_with_the_end_seen(found: &AutocalibratedCamera, truth: &[PtzCamera], field: &FieldModel) -> Vec3 {
     if !found.sizes.iter().any(|size| size.name == "length_m" && size.is_open) {
         return Vec3::zeros();
     }
@@ -121,7 +121,7 @@ fn moved_with_the_end_seen(found: &UnclickedCamera, truth: &[PtzCamera], field: 
 /// How far off each answered frame is at the worst place of the ground that it shows, px.
 pub fn worst_px(
     document: &Document,
-    found: &UnclickedCamera,
+    found: &AutocalibratedCamera,
     truth: &[PtzCamera],
     field: &FieldModel,
 ) -> Vec<(usize, f64)> {
@@ -154,10 +154,10 @@ pub fn worst_px(
 /// One line of a table, and what kind of answer it was. `truth` is none where nothing can be right.
 pub fn judged(
     document: &Document,
-    answer: &UnclickedAnswer,
+    answer: &AutocalibrationAnswer,
     truth: Option<(&[PtzCamera], &FieldModel)>,
 ) -> (String, Tally) {
-    let judge = |found: &UnclickedCamera| {
+    let judge = |found: &AutocalibratedCamera| {
         let Some((truth, field)) = truth else { return (f64::INFINITY, "nothing is right".to_owned()) };
         let frames = worst_px(document, found, truth, field);
         let moved = moved_with_the_end_seen(found, truth, field);
@@ -180,18 +180,18 @@ pub fn judged(
         (worst.1, format!("{says}; {}", speaks(found)))
     };
     match answer {
-        UnclickedAnswer::Found(found) => {
+        AutocalibrationAnswer::Found(found) => {
             let (worst, says) = judge(found);
             let right = worst <= RIGHT_PX;
             let tally = Tally { right: usize::from(right), wrong: usize::from(!right), ..Tally::default() };
             (format!("{}: {says}", if right { "right" } else { "WRONG" }), tally)
         }
-        UnclickedAnswer::Two { best, other, deciding } => {
+        AutocalibrationAnswer::Two { best, other, deciding } => {
             let deciding = deciding.as_ref().map(|deciding| deciding.landmark.as_str());
             let says = format!("two: {} / {}; deciding {deciding:?}", judge(best).1, judge(other).1);
             (says, Tally { two: 1, ..Tally::default() })
         }
-        UnclickedAnswer::Abstained(why) => {
+        AutocalibrationAnswer::Abstained(why) => {
             let best = match why {
                 Abstention::Uncertain { best: Some(best), .. } => judge(best).1,
                 _ => String::new(),
@@ -202,7 +202,7 @@ pub fn judged(
 }
 
 /// The frames that are not right.
-fn over(frames: &[(usize, f64)], found: &UnclickedCamera) -> String {
+fn over(frames: &[(usize, f64)], found: &AutocalibratedCamera) -> String {
     let is_snapped = |index: usize| found.frames.iter().any(|frame| frame.index == index && frame.snapped.is_some());
     let over: Vec<String> = frames
         .iter()
@@ -213,7 +213,7 @@ fn over(frames: &[(usize, f64)], found: &UnclickedCamera) -> String {
 }
 
 /// What speaks for an answer.
-fn speaks(found: &UnclickedCamera) -> String {
+fn speaks(found: &AutocalibratedCamera) -> String {
     let evidence = &found.evidence;
     format!(
         "explained {:.2}, visible {:.2}, rival {:.2}, {} lines, {:.2} px, parts {:.2} m",

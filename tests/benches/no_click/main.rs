@@ -2,7 +2,7 @@
 //! undecided or silent. Printed as Markdown.
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
-//! `cargo bench --bench no_click [-- drawn refused spread real clips] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`; the real frames are those of
+//! `cargo bench --bench no_click [-- drawn refused spread real clips wild] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`; the real frames are those of
 //! `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from two clicks each. With `--keep` drawn pictures stay in a folder and are used again.
 //! With `--gate` it fails where a section is below its rate, which is stated beside its inputs.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
@@ -14,6 +14,7 @@ mod matches;
 mod real;
 mod refused;
 mod spread;
+mod wild;
 
 use answers::Tally;
 use gate::{Gate, Rate};
@@ -28,7 +29,7 @@ fn main() -> ExitCode {
         arguments.get(at + 1).cloned()
     };
     let number = |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
-    let sections = ["drawn", "refused", "spread", "real", "clips"];
+    let sections = ["drawn", "refused", "spread", "real", "clips", "wild"];
     let none_asked = !sections.into_iter().any(is_set);
     let wants = |name: &str| none_asked || is_set(name);
     let kept = value("--keep").map(PathBuf::from);
@@ -63,7 +64,7 @@ fn main() -> ExitCode {
         None => {
             println!("\nreal frames are skipped: TOUCHLINE_DATA names no folder of them");
             // Who names them wants to know how they are answered.
-            for section in ["real", "clips"].into_iter().filter(|name| is_set(name)) {
+            for section in ["real", "clips", "wild"].into_iter().filter(|name| is_set(name)) {
                 answered(section, &Tally::default(), &real::MATCHES_RATE);
             }
         }
@@ -74,6 +75,9 @@ fn main() -> ExitCode {
             }
             if wants("clips") {
                 answered("clips", &real::clips(&data), &real::CLIPS_RATE);
+            }
+            if wants("wild") {
+                answered("wild", &wild::clips(&data), &wild::RATE);
             }
         }
     }

@@ -6,7 +6,7 @@ use super::gate::Rate;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
-use touchline::autocalibrate::UnclickedAnswer;
+use touchline::autocalibrate::AutocalibrationAnswer;
 use touchline::camera::CameraBase;
 use touchline::document::FieldSpec;
 use touchline::field::{FieldModel, builtin};
@@ -98,7 +98,7 @@ pub fn drawn(pictures: &Path, numbers: Range<usize>, frames: usize, two_clicks: 
             let (says, tally) = judged(&drawn.document, &answer, Some((&drawn.truth, &field)));
             row((&says, seconds));
             all.without_clicks.add(&tally);
-            is_found = matches!(answer, UnclickedAnswer::Found(_));
+            is_found = matches!(answer, AutocalibrationAnswer::Found(_));
         }
         if !is_found {
             let with_clicks = two_clicked(&drawn.document, &drawn.truth, &field);

@@ -1,12 +1,12 @@
 //! Real frames. People's clicks measure the answers; the method is given the pictures alone.
 
 use super::answers::{Tally, Way, answer, judged};
-use super::drawing::{CAMERA, document};
+use super::drawing::document_of_video;
 use super::gate::Rate;
 use std::path::Path;
-use touchline::autocalibrate::{Abstention, UnclickedAnswer};
-use touchline::calibrate::{BaseProblem, UnclickedCamera, observations, record_found, solve_document};
-use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames, VideoFrame};
+use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
+use touchline::calibrate::{AutocalibratedCamera, BaseProblem, observations, record_found, solve_document};
+use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames};
 use touchline::media::FrameSource;
 use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
@@ -28,7 +28,7 @@ pub const CLIPS_RATE: Rate = Rate { tried: 18, right: 16, wrong: 0 };
 const MIRRORED: &str = "42ba34_9_2";
 
 /// An answer is right if it stands so near to the base of the clicks, m, and the median of its distances at them is so small, px.
-const RIGHT_M: f64 = 2.0;
+pub const RIGHT_M: f64 = 2.0;
 const RIGHT_PX: f64 = 5.0;
 
 /// A match with people's clicks, and the same without anything that people did.
@@ -45,7 +45,7 @@ impl Clicked {
         let camera = clicked.cameras[0].id.clone();
         let problem = BaseProblem::of(clicked.at(&folder), &camera).unwrap();
         problem.estimate(&clicked, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut clicked);
-        solve_document(&mut clicked, &folder, &|| ()).unwrap();
+        solve_document(&mut clicked, &folder, &Progress::default()).unwrap();
         if let Some(clip) = clip {
             clicked.frames.retain(|frame| frame.clip.as_ref() == Some(clip));
         }
@@ -66,7 +66,7 @@ impl Clicked {
         measured.filter_map(|(frame, clicked)| of_frame((frame, clicked))).collect()
     }
 
-    fn judged(&self, found: &UnclickedCamera, folder: &Path) -> (bool, String) {
+    fn judged(&self, found: &AutocalibratedCamera, folder: &Path) -> (bool, String) {
         let mut recorded = self.bare.clone();
         let camera = recorded.cameras[0].id.clone();
         record_found(&mut recorded, &camera, found);
@@ -106,16 +106,16 @@ impl Clicked {
         let (answer, seconds) = answer(&self.bare, folder, Way::WithoutClicks);
         let mut tally = Tally::default();
         let says = match &answer {
-            UnclickedAnswer::Found(found) => {
+            AutocalibrationAnswer::Found(found) => {
                 let (right, says) = self.judged(found, folder);
                 (tally.right, tally.wrong) = (usize::from(right), usize::from(!right));
                 format!("{}: {says}", if right { "right" } else { "WRONG" })
             }
-            UnclickedAnswer::Two { best, other, .. } => {
+            AutocalibrationAnswer::Two { best, other, .. } => {
                 tally.two = 1;
                 format!("two: {} / {}", self.judged(best, folder).1, self.judged(other, folder).1)
             }
-            UnclickedAnswer::Abstained(why) => {
+            AutocalibrationAnswer::Abstained(why) => {
                 tally.abstained = 1;
                 let best = match why {
                     Abstention::Uncertain { best: Some(best), .. } => self.judged(best, folder).1,
@@ -151,7 +151,8 @@ fn without_people(document: &Document) -> Document {
     bare
 }
 
-fn heading(name: &str) {
+/// Begins a table of answers.
+pub fn heading(name: &str) {
     println!("\n## {name}\n\n| frames of | frames | answer | s |\n|---|---|---|---|");
 }
 
@@ -195,14 +196,11 @@ pub fn others(data: &Path) -> Tally {
         ("video-soccer as basketball", "video-soccer/match.mp4", "basketball_nba", false),
     ] {
         let FrameSource::Video(info) = FrameSource::open(&data.join(video)).unwrap() else { continue };
-        let mut document = document(FieldSpec::new(field), info.size);
-        for index in (0..info.decoded_frames).step_by((info.decoded_frames / 40).max(1)) {
-            let video = VideoFrame::new(video, index as u64, info.pts_s(index));
-            document.frames.push(Frame::from_video(video, CameraId::from(CAMERA), info.size).into());
-        }
+        let stride = (info.decoded_frames / 40).max(1);
+        let document = document_of_video(video, &info, FieldSpec::new(field), stride);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&document, &answer, None);
-        let says = if let (true, UnclickedAnswer::Found(found)) = (can_be_right, &answer) {
+        let says = if let (true, AutocalibrationAnswer::Found(found)) = (can_be_right, &answer) {
             let at_m: Vec<String> = found.base.position_m.iter().map(|m| format!("{m:.2}")).collect();
             format!("camera at ({}) m, whose panorama has to be looked at", at_m.join(", "))
         } else {
@@ -216,7 +214,7 @@ pub fn others(data: &Path) -> Tally {
     let mixed = mixed(data);
     let (answer, seconds) = answer(&mixed, data, Way::WithoutClicks);
     let (says, tally) = match &answer {
-        UnclickedAnswer::Found(found) => of_one_match(data, &mixed, found),
+        AutocalibrationAnswer::Found(found) => of_one_match(data, &mixed, found),
         _ => judged(&mixed, &answer, None),
     };
     println!("| d82e7a and 08fd33 mixed | {} | {says} | {seconds:.0} |", mixed.frames.len());
@@ -240,7 +238,7 @@ fn mixed(data: &Path) -> Document {
 }
 
 /// An answer to mixed frames is right if its frames are of one match and its base is that match's.
-fn of_one_match(data: &Path, mixed: &Document, found: &UnclickedCamera) -> (String, Tally) {
+fn of_one_match(data: &Path, mixed: &Document, found: &AutocalibratedCamera) -> (String, Tally) {
     let of = |name: &str| found.frames.iter().filter(|frame| mixed.frames[frame.index].name().contains(name)).count();
     let counts = ["d82e7a", "08fd33"].map(of);
     let name = if counts[0] >= counts[1] { "d82e7a" } else { "08fd33" };

@@ -25,7 +25,7 @@ pub fn document(data: &Path, name: &str) -> Document {
     let problem = BaseProblem::of(document.at(&folder), &camera).unwrap();
     let estimate = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
     estimate.write_camera(&mut document);
-    solve_document(&mut document, &folder, &|| ()).unwrap();
+    solve_document(&mut document, &folder, &Progress::default()).unwrap();
     document
 }
 

@@ -86,7 +86,7 @@ fn labelled(data: &Path, clicks: &str) -> Document {
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(data), &camera).unwrap();
     problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut document);
-    solve_document(&mut document, data, &|| ()).unwrap();
+    solve_document(&mut document, data, &Progress::default()).unwrap();
     document
 }
 

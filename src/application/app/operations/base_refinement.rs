@@ -10,11 +10,12 @@ use crate::app::operations::clip_tracking::describe_progress;
 use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 use touchline_calibration::calibrate::{BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame};
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::field::FieldError;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Step};
 
 /// The base of a shot's camera is to be refined.
@@ -71,6 +72,30 @@ pub(in crate::app) struct BaseRefinementState {
 
 // ---- The work ----
 
+/// What the rounds of a refinement came to.
+#[derive(Default)]
+struct RoundsOutcome {
+    /// As [`RefinedBase::off_px`].
+    off_px: Option<(f64, f64)>,
+    /// Why the shot could not be tracked.
+    failure: Option<String>,
+}
+
+impl RoundsOutcome {
+    fn note(&mut self, event: &TrackingEvent) {
+        match event {
+            TrackingEvent::Refined(_, seen) => {
+                if let (Some(before), Some(after)) = (seen.before.paint, seen.after.paint) {
+                    let first = self.off_px.map_or(before.median_px, |(first, _)| first);
+                    self.off_px = Some((first, after.median_px));
+                }
+            }
+            TrackingEvent::Failed(_, error) => self.failure = Some(error.to_string()),
+            _ => {}
+        }
+    }
+}
+
 impl Operation for BaseRefinement {
     type Progress = RefinementProgress;
     type Output = RefinedBase;
@@ -83,25 +108,19 @@ impl Operation for BaseRefinement {
         let clip = self.clip().ok_or(BaseRefinementError::NoPicture)?;
         let mut document = self.document.clone();
         let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
-        let (mut evidence, mut off_px, mut failure) = (Vec::new(), None, None);
-        let mut watch = |event: TrackingEvent<'_>| match event {
+        let (mut evidence, outcome) = (Vec::new(), Mutex::new(RoundsOutcome::default()));
+        let progress = Progress::new(|event| match event {
             TrackingEvent::Progress(progress) => context.report(RefinementProgress::Tracking(progress)),
             TrackingEvent::Refining(_) => context.report(RefinementProgress::Adjusting),
-            TrackingEvent::Refined(_, seen) => {
-                if let (Some(before), Some(after)) = (seen.before.paint, seen.after.paint) {
-                    let first = off_px.map_or(before.median_px, |(first, _)| first);
-                    off_px = Some((first, after.median_px));
-                }
+            other => {
+                outcome.lock().unwrap_or_else(PoisonError::into_inner).note(&other);
                 context.check()
             }
-            TrackingEvent::Failed(_, error) => {
-                failure = Some(error.to_string());
-                context.check()
-            }
-            _ => context.check(),
-        };
+        });
         let (folder, clips) = (&self.folder, [clip]);
-        let tracked = track_clips(&mut document, folder, &clips, &mut *reader, &options, &mut evidence, &mut watch)?;
+        let tracked = track_clips(&mut document, folder, &clips, &mut *reader, &options, &mut evidence, &progress)?;
+        drop(progress);
+        let RoundsOutcome { off_px, failure } = outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
         match failure {
             Some(error) => return Err(BaseRefinementError::Track(error)),
             None if tracked.is_stopped => return Err(BaseRefinementError::Stopped),

@@ -5,9 +5,9 @@ use crate::app::operations::UnderWay;
 use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use touchline_calibration::calibrate::{BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved};
+use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve, BulkSolved};
 use touchline_core::geometry::thousands;
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::Step;
 
 /// A change of fewer frames than this is made at once: a frame takes 0.1 ms.
@@ -35,15 +35,15 @@ pub struct BulkSolveState {
 // ---- The work ----
 
 impl Operation for BulkSolving {
-    type Progress = BulkProgress;
+    type Progress = Share;
     type Output = Box<BulkSolved>;
     type Error = BulkError;
 
     const NAME: &'static str = "solving";
 
-    fn run(&self, context: &Context<'_, BulkProgress>) -> Result<Box<BulkSolved>, BulkError> {
+    fn run(&self, context: &Context<'_, Share>) -> Result<Box<BulkSolved>, BulkError> {
         let furthest = AtomicUsize::new(0);
-        let watched = Progress::new(|progress: BulkProgress| {
+        let watched = Progress::new(|progress: Share| {
             // Frames are solved by several threads, whose counts overtake each other on the way.
             let is_further = furthest.fetch_max(progress.done, Ordering::Relaxed) < progress.done;
             if is_further { context.report(progress) } else { context.check() }

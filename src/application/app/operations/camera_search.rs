@@ -7,9 +7,9 @@ use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
-    Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedError, UnclickedProgress,
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, DecidingLandmark, Doubt,
 };
-use touchline_calibration::calibrate::{BulkChange, FoundCamera, UnclickedCamera, describe_size};
+use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera, describe_size};
 use touchline_calibration::pipelines::{MatchOptions, find_camera};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
@@ -83,18 +83,21 @@ pub struct DecidingClick {
 // ---- The work ----
 
 impl Operation for CameraSearch {
-    type Progress = UnclickedProgress;
-    type Output = UnclickedAnswer;
-    type Error = UnclickedError;
+    type Progress = AutocalibrationProgress;
+    type Output = AutocalibrationAnswer;
+    type Error = AutocalibrationError;
 
     const NAME: &'static str = "find the camera";
 
-    fn run(&self, context: &Context<'_, UnclickedProgress>) -> Result<UnclickedAnswer, UnclickedError> {
+    fn run(
+        &self,
+        context: &Context<'_, AutocalibrationProgress>,
+    ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         let mut reader = context.open_reader();
         let mut picture = |index: usize| read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok();
         let at = self.document.at(&self.folder);
-        let watch = |progress| context.report(progress);
-        find_camera(at, &self.camera, MatchOptions::default().sampled_frames, &mut picture, &watch)
+        let sampled_frames = MatchOptions::default().sampled_frames;
+        find_camera(at, &self.camera, sampled_frames, &mut picture, &context.progress())
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -105,15 +108,15 @@ impl Operation for CameraSearch {
         app.is_amid_change()
     }
 
-    fn take_over(&self, app: &mut App, result: Result<UnclickedAnswer, Failure<UnclickedError>>) {
+    fn take_over(&self, app: &mut App, result: Result<AutocalibrationAnswer, Failure<AutocalibrationError>>) {
         match result {
-            Ok(UnclickedAnswer::Found(found)) => app.camera_found(self.with_frame_ids(*found)),
-            Ok(UnclickedAnswer::Two { best, other, deciding }) => {
+            Ok(AutocalibrationAnswer::Found(found)) => app.camera_found(self.with_frame_ids(*found)),
+            Ok(AutocalibrationAnswer::Two { best, other, deciding }) => {
                 let label = |deciding: &DecidingLandmark| app.label(&Target::Landmark(deciding.landmark.clone()));
                 let two = TwoCameras::new(self, [*best, *other], deciding, label);
                 app.ask_which_camera(two);
             }
-            Ok(UnclickedAnswer::Abstained(why)) => {
+            Ok(AutocalibrationAnswer::Abstained(why)) => {
                 let why = describe_abstention(&why);
                 app.session.notify(Level::Warning, why.clone());
                 app.operations.camera_search.left = Left::Abstained { camera: self.camera.clone(), why };
@@ -128,7 +131,7 @@ impl Operation for CameraSearch {
 
 impl CameraSearch {
     /// A camera that was found, with its frames by their ids: their places may change.
-    fn with_frame_ids(&self, found: UnclickedCamera) -> Arc<FoundCamera> {
+    fn with_frame_ids(&self, found: AutocalibratedCamera) -> Arc<FoundCamera> {
         Arc::new(FoundCamera::of(&self.document, &self.camera, found))
     }
 }
@@ -240,8 +243,8 @@ impl App {
 
     fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
         self.operations.camera_search.found = Some(Arc::clone(&found));
-        self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Unclicked(found), |app, change| {
-            if let BulkChange::Unclicked(found) = change {
+        self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Autocalibrated(found), |app, change| {
+            if let BulkChange::Autocalibrated(found) = change {
                 app.tell_found_camera(found);
             }
         });
@@ -300,7 +303,7 @@ impl DecidingClick {
 impl TwoCameras {
     fn new(
         search: &CameraSearch,
-        cameras: [UnclickedCamera; 2],
+        cameras: [AutocalibratedCamera; 2],
         deciding: Option<DecidingLandmark>,
         label: impl Fn(&DecidingLandmark) -> String,
     ) -> Self {
@@ -328,7 +331,7 @@ impl TwoCameras {
 // ---- Words ----
 
 /// What was found, in one sentence.
-fn describe_found(found: &UnclickedCamera) -> String {
+fn describe_found(found: &AutocalibratedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
     let assumed: String = found.sizes.iter().filter(|size| size.is_open).map(describe_assumed).collect();
@@ -346,7 +349,7 @@ fn describe_assumed(size: &FittedSize) -> String {
 }
 
 /// Where a camera stands, as a person says it.
-fn place(found: &UnclickedCamera) -> String {
+fn place(found: &AutocalibratedCamera) -> String {
     let at = found.base.position_m;
     format!("{:.1} m high, {:.1} m from the middle of the field", at.z, at.x.hypot(at.y))
 }

@@ -93,8 +93,8 @@ impl Operation for ClipTracking {
         let clip = clip_of_frame(self.document.at(&self.folder), self.frame).ok_or(ClipTrackingError::NoPicture)?;
         let (at, options) = (self.document.at(&self.folder), TrackClipOptions::default());
         let mut evidence = (*self.evidence).clone();
-        let watch = &mut |progress| context.report(progress);
-        let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, watch)?;
+        let progress = context.progress();
+        let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, &progress)?;
         let length = if self.is_again() { Ok(None) } else { self.measure_length(&tracked, &mut *reader) };
         Ok(CarriedClip { tracked, evidence: evidence.into(), length })
     }

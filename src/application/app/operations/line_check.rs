@@ -8,10 +8,11 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{LINE_CHECK, check_frame, record_line_check};
-use touchline_calibration::proposals::read_picture;
+use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, PaintEvidence};
 use touchline_vision::paint::LineCheck;
 
@@ -58,16 +59,18 @@ impl Operation for LineCheckBatch {
     const NAME: &'static str = "line check";
 
     fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<CheckedLines>, Infallible> {
+        let at = self.document.at(&self.folder);
+        let is_there = |to_check: &&FrameToCheck| to_check.index < at.document.frames.len() && to_check.field.is_some();
+        let frames: Vec<&FrameToCheck> = self.frames.iter().filter(is_there).collect();
         let mut reader = context.open_reader();
-        let mut checked = Vec::with_capacity(self.frames.len());
-        for FrameToCheck { index, frame: id, camera, field } in &self.frames {
-            if context.check().is_break() {
-                break;
-            }
-            let (Some(frame), Some(field)) = (self.document.frames.get(*index), field) else { continue };
-            let picture = read_picture(&mut *reader, frame, &self.folder).ok();
-            let check = picture.and_then(|picture| check_frame(&self.document, frame, field, &picture));
-            checked.push(CheckedLines { frame: id.clone(), camera: *camera, check });
+        let pictures = PictureStream::new(at, frames.iter().map(|to_check| to_check.index))
+            .with_reader(&mut *reader)
+            .with_progress(Progress::new(|_| context.check()));
+        let mut checked = Vec::with_capacity(frames.len());
+        for (to_check, FramePicture { frame, picture, .. }) in frames.iter().zip(pictures) {
+            let seen = picture.ok().zip(to_check.field.as_ref());
+            let check = seen.and_then(|(picture, field)| check_frame(at.document, frame, field, &picture));
+            checked.push(CheckedLines { frame: to_check.frame.clone(), camera: to_check.camera, check });
         }
         Ok(checked)
     }

@@ -29,7 +29,7 @@ pub use comparison::{Compared, Comparison};
 pub use frame_snap::FrameSnap;
 pub use line_check::PaintSays;
 pub use point_snap::PointSnap;
-pub use shot_search::{FoundShots, ShotProgress, ShotSearch};
+pub use shot_search::{FoundShots, ShotSearch};
 
 use super::effect::Effect;
 #[cfg(test)]

@@ -3,10 +3,12 @@
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::session::Level;
 use crate::app::{App, Command, Effect};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
-use touchline_vision::media::{FrameReader, FrameRef, MediaError};
+use touchline_vision::media::{FrameReader, FrameRef, FrameStream, MediaError};
 use touchline_vision::track::{CutFinder, Miniature};
 
 /// The cuts of a video are to be found.
@@ -18,23 +20,6 @@ pub struct ShotSearch {
     pub path: PathBuf,
     /// How many steps could be undone when the search began: what it finds goes beneath those that come later.
     pub num_below: usize,
-}
-
-/// How far a search has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShotProgress {
-    /// Frames that have been looked at.
-    pub done: usize,
-    /// All frames of the video.
-    pub of: usize,
-}
-
-impl ShotProgress {
-    /// How much is done, in whole percent.
-    #[must_use]
-    pub fn percent(self) -> usize {
-        100 * self.done / self.of.max(1)
-    }
 }
 
 /// The cuts of a video.
@@ -61,7 +46,7 @@ impl ShotSearchState {
 
     /// How far that has come.
     #[must_use]
-    pub fn progress(&self) -> ShotProgress {
+    pub fn progress(&self) -> Share {
         self.slot.running().and_then(Running::progress).copied().unwrap_or_default()
     }
 }
@@ -69,23 +54,25 @@ impl ShotSearchState {
 // ---- The work ----
 
 impl Operation for ShotSearch {
-    type Progress = ShotProgress;
+    /// Frames that have been looked at.
+    type Progress = Share;
     type Output = FoundShots;
     type Error = MediaError;
 
     const NAME: &'static str = "shots";
 
-    fn run(&self, context: &Context<'_, ShotProgress>) -> Result<FoundShots, MediaError> {
-        let mut percent = None;
-        // Each frame is read once, so that nothing would come of sharing them with the window.
-        self.look(&mut FrameReader::new(), &mut |progress| {
+    fn run(&self, context: &Context<'_, Share>) -> Result<FoundShots, MediaError> {
+        let percent = AtomicUsize::new(usize::MAX);
+        let progress = Progress::new(|frames: Share| {
             context.give_way_to_window();
             // The window shows whole percents and is painted after each report: a long match has thousands of frames a percent.
-            if percent.replace(progress.percent()) == Some(progress.percent()) {
+            if percent.swap(frames.percent(), Ordering::Relaxed) == frames.percent() {
                 return context.check();
             }
-            context.report(progress)
-        })
+            context.report(frames)
+        });
+        // Each frame is read once, so that nothing would come of sharing them with the window.
+        self.look(&mut FrameReader::new(), &progress)
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -109,29 +96,27 @@ impl Operation for ShotSearch {
 }
 
 impl ShotSearch {
-    /// Looks at every frame of the video. `watch` hears before each how far that has come, and may end it: [`MediaError::Stopped`].
+    /// Looks at every frame of the video. `progress` hears before each how far that has come.
     ///
     /// # Errors
-    /// The video cannot be opened, or `watch` ended the search.
-    pub fn look(
-        &self,
-        reader: &mut FrameReader,
-        watch: &mut dyn FnMut(ShotProgress) -> ControlFlow<()>,
-    ) -> Result<FoundShots, MediaError> {
+    /// The video cannot be opened, or `progress` cancelled the search: [`MediaError::Stopped`].
+    pub fn look(&self, reader: &mut FrameReader, progress: &Progress<'_, Share>) -> Result<FoundShots, MediaError> {
         let of = reader.video_info(&self.path)?.decoded_frames;
         let mut finder = CutFinder::default();
         let mut last: Option<Miniature> = None;
-        for done in 0..of {
-            if watch(ShotProgress { done, of }).is_break() {
-                return Err(MediaError::Stopped { path: self.path.clone() });
-            }
+        let path: Arc<Path> = Arc::from(self.path.as_path());
+        let frames = (0..of).map(|index| FrameRef::video(Arc::clone(&path), index));
+        for frame in FrameStream::new(frames).with_reader(reader).with_progress(progress.part(|frames| frames)) {
             // A frame that does not decode shows nothing new.
-            if let Ok(picture) = reader.read(&FrameRef::video(self.path.as_path(), done)) {
+            if let Ok(picture) = frame.picture {
                 last = Some(Miniature::of(&picture));
             }
             if let Some(miniature) = &last {
                 finder.push(miniature.clone());
             }
+        }
+        if progress.is_cancelled() {
+            return Err(MediaError::Stopped { path: self.path.clone() });
         }
         // Frames that did not decode at the start were not counted by the finder.
         let missing = of - finder.frames();

@@ -4,18 +4,17 @@ use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::error::TrainerError;
 use super::kept_forest::{keep_forest, kept_forest};
 use super::mailbox::TrainerMailbox;
-use super::watch::Watch;
-use crate::app::{Doing, Share, UnusableReference};
+use crate::app::{Doing, UnusableReference};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_calibration::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
 use touchline_calibration::pipelines::{ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines};
 use touchline_calibration::proposals::{
-    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality,
-    QualityProgress, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
+    TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
 };
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, Fields};
 use touchline_vision::media::FrameReader;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, TrainProgress};
@@ -28,7 +27,7 @@ pub(super) trait Backend {
     /// There is one, but it cannot be used.
     fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError>;
 
-    /// A forest of these training frames; none where the watch ended it.
+    /// A forest of these training frames; none where `progress` cancelled it.
     ///
     /// # Errors
     /// There cannot be one.
@@ -37,32 +36,37 @@ pub(super) trait Backend {
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
-        watch: &Watch<'_>,
+        progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
-    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where the watch, which
-    /// receives the number done, ended it.
+    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where `progress`,
+    /// which receives the number done, cancelled it.
     fn propose(
         &mut self,
         document: &Document,
         frames: &[usize],
         forest: (&ForestModel, u64),
         snapping: bool,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Vec<Proposal>;
 
-    /// Carries cameras through a window of a video, after a forest's answers; none where the watch, which receives the number of
-    /// pictures done, ended it.
+    /// Carries cameras through a window of a video, after a forest's answers; none where `progress`, which receives the number
+    /// of pictures done, cancelled it.
     fn carry(
         &mut self,
         document: &Document,
         window: &KeyWindow,
         generation: u64,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>>;
 
-    /// The accuracy of a forest of these training frames, and which of them contradict others; none where the watch ended it.
-    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured>;
+    /// The accuracy of a forest of these training frames, and which of them contradict others; none where `progress` cancelled it.
+    fn measure(
+        &mut self,
+        document: &Document,
+        training_frames: &[usize],
+        progress: &Progress<'_, Doing>,
+    ) -> Option<Measured>;
 
     /// How a forest uses a frame's features; none where the frame cannot be read.
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
@@ -108,12 +112,13 @@ impl ForestBackend {
     pub(super) fn new(file: &Path, mailbox: Arc<TrainerMailbox>, pictures: SharedPictures) -> Self {
         let place = WorkFolder::beside(file);
         // Counting the frames of a long video is given up when the document is closed.
-        let counting = move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
+        let counting =
+            Progress::new(move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue));
         Self {
             folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
             store: FeatureStore::on_disk(&place),
             place,
-            reader: SharedReader::new(Box::new(FrameReader::watched(Box::new(counting))), pictures),
+            reader: SharedReader::new(Box::new(FrameReader::with_progress(counting)), pictures),
             options: LearnOptions::default(),
             relocalizing: RelocalizeOptions::default(),
             forest_refused: None,
@@ -131,12 +136,12 @@ impl Backend for ForestBackend {
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
-        watch: &Watch<'_>,
+        progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let progress = Progress::new(|progress| watch.tell(doing_of(progress)));
-        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &progress)?;
+        let learning = progress.part(doing_of);
+        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &learning)?;
         let Some(LearntForest { mut model, studied }) = learnt else { return Ok(None) };
         self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
         let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
@@ -151,7 +156,7 @@ impl Backend for ForestBackend {
         frames: &[usize],
         (model, generation): (&ForestModel, u64),
         snapping: bool,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
         let forest = ForestRequest { model, generation, options: self.relocalizing.clone() };
@@ -160,7 +165,7 @@ impl Backend for ForestBackend {
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {
-            if watch(made.len()).is_break() {
+            if progress.report(made.len()).is_break() {
                 break;
             }
             let evidence = evidence.as_ref();
@@ -176,21 +181,21 @@ impl Backend for ForestBackend {
         document: &Document,
         window: &KeyWindow,
         generation: u64,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>> {
         let at = document.at(&self.folder);
         let first = window.keys.first().and_then(|place| document.frames.get(*place));
         // A field that is not valid is named where the document is opened.
         let Some((first, fields)) = first.zip(Fields::of(at).ok()) else { return Some(Vec::new()) };
         let pictures = window.clip.frames.len();
-        let mut told = |progress| match progress {
-            ClipProgress::Following(done, _) => watch(done / 2),
-            ClipProgress::Painting(done, of) => watch(pictures / 2 + pictures * done / (2 * of.max(1))),
-            ClipProgress::Adjusting => watch(pictures / 2),
-        };
+        let of_clip = progress.part(|step| match step {
+            ClipProgress::Following(done, _) => done / 2,
+            ClipProgress::Painting(done, of) => pictures / 2 + pictures * done / (2 * of.max(1)),
+            ClipProgress::Adjusting => pictures / 2,
+        });
         let (field, options) = (fields.of_frame(document, first), TrackClipOptions::default());
         let mut evidence = ClipEvidence::default();
-        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &mut told) {
+        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &of_clip) {
             Ok(clip) => {
                 let carried = clip.frames.iter();
                 Some(carried.filter_map(|tracked| CarriedProposal::of(document, &clip, tracked, generation)).collect())
@@ -201,15 +206,20 @@ impl Backend for ForestBackend {
         }
     }
 
-    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured> {
+    fn measure(
+        &mut self,
+        document: &Document,
+        training_frames: &[usize],
+        progress: &Progress<'_, Doing>,
+    ) -> Option<Measured> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
-        let progress = Progress::new(|QualityProgress { done, of }| watch.tell(Doing::Measuring(Share { done, of })));
-        let looking = progress.part(|()| QualityProgress::default());
+        let measuring = progress.part(Doing::Measuring);
+        let looking = progress.part(|()| Doing::Measuring(Share::default()));
         let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &looking)?;
         let (options, relocalizing) = (&self.options, &self.relocalizing);
-        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &progress);
-        watch.is_wanted().then_some(Measured { quality, suspects })
+        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &measuring);
+        progress.check().is_continue().then_some(Measured { quality, suspects })
     }
 
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures> {

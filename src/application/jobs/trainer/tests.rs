@@ -4,9 +4,8 @@ use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
 use super::error::TrainerError;
 use super::kept_forest::KeptForestError;
-use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
-use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
+use crate::app::{Doing, TrainerOrder, TrainerStatus};
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -20,7 +19,7 @@ use touchline_calibration::proposals::{
 };
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus, VideoFrame};
 use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use touchline_vision::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
@@ -95,14 +94,14 @@ impl Backend for StandIn {
         _: &Document,
         training_frames: &[usize],
         _: &TrainingSet,
-        watch: &Watch<'_>,
+        progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError> {
         match self.begin(Begun::Learn(training_frames.to_vec())) {
             Let::Well => Ok(Some(Learnt { model: model(), features: 1, failed: Vec::new() })),
             Let::Fail => Err(no_features()),
             Let::Panic => panic!("the saw broke"),
             Let::Stopped => {
-                until_stopped(&|| watch.tell(Doing::Training(Share { done: 1, of: 2 })));
+                until_stopped(&|| progress.report(Doing::Training(Share { done: 1, of: 2 })));
                 Ok(None)
             }
         }
@@ -114,12 +113,12 @@ impl Backend for StandIn {
         frames: &[usize],
         (_, generation): (&ForestModel, u64),
         _: bool,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
         match self.begin(Begun::Propose(frames.to_vec())) {
             Let::Panic => panic!("the forest burns"),
             Let::Stopped => {
-                until_stopped(&|| watch(0));
+                until_stopped(&|| progress.report(0));
                 Vec::new()
             }
             Let::Well | Let::Fail => {
@@ -133,7 +132,7 @@ impl Backend for StandIn {
         document: &Document,
         window: &KeyWindow,
         generation: u64,
-        watch: &dyn Fn(usize) -> ControlFlow<()>,
+        progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>> {
         match self.begin(Begun::Carry(window.keys.clone())) {
             Let::Well => {
@@ -143,13 +142,13 @@ impl Backend for StandIn {
             Let::Fail => Some(Vec::new()),
             Let::Panic => panic!("the rope snapped"),
             Let::Stopped => {
-                until_stopped(&|| watch(0));
+                until_stopped(&|| progress.report(0));
                 None
             }
         }
     }
 
-    fn measure(&mut self, document: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Measured> {
+    fn measure(&mut self, document: &Document, _: &[usize], progress: &Progress<'_, Doing>) -> Option<Measured> {
         match self.begin(Begun::Measure) {
             Let::Well => {
                 let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 1, asked: Vec::new() };
@@ -160,7 +159,7 @@ impl Backend for StandIn {
             Let::Fail => Some(Measured { quality: None, suspects: Vec::new() }),
             Let::Panic => panic!("the rule bent"),
             Let::Stopped => {
-                until_stopped(&|| watch.tell(Doing::Measuring(Share { done: 0, of: 2 })));
+                until_stopped(&|| progress.report(Doing::Measuring(Share { done: 0, of: 2 })));
                 None
             }
         }

@@ -1,4 +1,4 @@
-//! What a long piece of work asks now and then: whether to go on.
+//! Who hears how far a long piece of work has come, and decides whether it goes on.
 
 use super::mailbox::TrainerMailbox;
 use crate::app::{Doing, TrainerStatus};

@@ -6,7 +6,7 @@ use super::backend::{Backend, Learnt, Measured};
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use super::windows::Windows;
-use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
+use crate::app::{Doing, ForestFacts, TrainerStatus};
 use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
     AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
 };
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, FieldSpec, FrameId};
 use touchline_vision::relocalize::{CameraForest, ForestModel};
 
@@ -267,8 +268,10 @@ impl<C: Backend> Work<C> {
         let training_set = self.training_set.clone();
         let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
         let backend = &mut self.backend;
-        let learnt =
-            catch_unwind(AssertUnwindSafe(|| backend.learn(&document, &training_frames, &training_set, &watch)));
+        let learnt = catch_unwind(AssertUnwindSafe(|| {
+            let progress = Progress::new(|doing| watch.tell(doing));
+            backend.learn(&document, &training_frames, &training_set, &progress)
+        }));
         match learnt {
             Ok(Ok(None)) => {}
             Ok(Ok(Some(Learnt { model, features, failed }))) => {
@@ -313,11 +316,11 @@ impl<C: Backend> Work<C> {
         let between = if queue.rest.is_empty() { queue.between.len() } else { 0 };
         let of = done + frames.len() + queue.first.len() + queue.rest.len() + between;
         let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
-        let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
         let (document, asked) = (&self.document, self.asking());
         let Asking { generation, snapping } = asked;
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
+            let asking = Progress::new(|more| watch.tell(Doing::Proposing(Share { done: done + more, of })));
             backend.propose(document, frames, (&model, generation), snapping, &asking)
         }));
         let proposals = proposed.unwrap_or_else(|panic| {
@@ -364,8 +367,8 @@ impl<C: Backend> Work<C> {
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.carried;
         let share = |done: usize| Share { done: before + done.min(window.between.len()), of: before + waiting };
-        let tell = |done| watch.tell(Doing::Carrying(share(done)));
-        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &tell)));
+        let carrying = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
+        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &carrying)));
         let carried = match carried {
             // What was ended is begun again.
             Ok(None) => return,
@@ -421,10 +424,14 @@ impl<C: Backend> Work<C> {
         let watch =
             Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
         let backend = &mut self.backend;
-        let measured = catch_unwind(AssertUnwindSafe(|| backend.measure(&document, training_frames, &watch)));
-        // What was ended is begun again.
+        let measured = catch_unwind(AssertUnwindSafe(|| {
+            let progress = Progress::new(|doing| watch.tell(doing));
+            backend.measure(&document, training_frames, &progress)
+        }));
+        // What was ended is begun again, and so is what is out of date.
         match measured {
             Ok(None) => return,
+            Ok(Some(_)) if !watch.is_wanted() => return,
             Ok(Some(Measured { quality, suspects })) => {
                 if let Some(quality) = &quality {
                     self.bound(quality);

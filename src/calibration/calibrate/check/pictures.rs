@@ -5,6 +5,7 @@ use super::place_of;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{DocumentAt, Frame, VideoFrame};
 use touchline_vision::media::{self, FrameReader, MediaError, VideoInfo};
 
@@ -29,14 +30,18 @@ impl<'a> PictureCheck<'a> {
     }
 }
 
-/// Everything wrong with the pictures of a document, in its order. `progress` is called once for each frame, from any
-/// thread. Images are read in parallel, every video is opened once.
+/// Everything wrong with the pictures of a document, in its order. `progress` hears of each frame, from any thread; where it
+/// cancels this, some frames have not been looked at. Images are read in parallel, every video is opened once.
 #[must_use]
-pub fn check_pictures(document: DocumentAt<'_>, progress: &(dyn Fn() + Sync)) -> Vec<Problem> {
+pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> Vec<Problem> {
     let check = PictureCheck::open(document);
     let faults = (0..document.frames.len()).into_par_iter().map(|index| {
+        if progress.is_cancelled() {
+            return Vec::new();
+        }
         let faults = check.faults(index);
-        progress();
+        // The frames that follow ask whether it is cancelled.
+        let _ = progress.report(());
         faults
     });
     let faults: Vec<Vec<Fault>> = faults.collect();

@@ -55,6 +55,7 @@ mod tests {
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::progress::Progress;
     use touchline_documents::document::{Camera, Click, FieldSpec};
 
     #[test]
@@ -73,7 +74,7 @@ mod tests {
             frame.clicks.push(Click::landmark(landmark.into(), pointed.image_from_world(world).unwrap()));
         }
         document.frames.push(frame.into());
-        solve_document(&mut document, Path::new(""), &|| {}).unwrap();
+        solve_document(&mut document, Path::new(""), &Progress::default()).unwrap();
         assert_eq!(check_solutions(document.at(Path::new(""))), []);
         document.cameras[0].set_base(&CameraBase::new(Vec3::new(4.0, -62.0, 17.0), upright, size.centre()));
         let problems = check_solutions(document.at(Path::new("")));

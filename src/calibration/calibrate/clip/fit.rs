@@ -7,14 +7,15 @@
 use super::certainty::PaintVerdict;
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, apart_px};
-use super::options::{ClipProgress, TrackClipOptions, WatchClip};
+use super::options::{ClipProgress, TrackClipOptions};
 use super::paint::{Painted, share_alike};
-use super::pictures::{ClipPictures, go_on};
+use super::pictures::{ClipPictures, report};
 use crate::calibrate::may_replace;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;
+use touchline_core::progress::Progress;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::{GroundPicture, LineCheck, check_lines};
 use touchline_vision::track::{AdjustedClip, Anchor, AnchorSource, Carried, ClipCamera, PointTracks, adjust_clip};
@@ -69,13 +70,13 @@ impl ClipFit<'_> {
         &self,
         reader: &mut dyn ReadFrames,
         evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<FittedClip, TrackClipError> {
-        let mut adjusted = self.adjust(&BTreeMap::new(), watch)?;
+        let mut adjusted = self.adjust(&BTreeMap::new(), progress)?;
         let mut painted = 0;
         for _ in 0..if self.options.paint_every > 0 { MAX_ROUNDS } else { 0 } {
             let asked = self.frames_to_ask(&adjusted);
-            let found = self.pictures.ask_paint(reader, (self.field, self.camera), &asked, evidence, watch)?;
+            let found = self.pictures.ask_paint(reader, (self.field, self.camera), &asked, evidence, progress)?;
             let aligned: BTreeMap<usize, Anchor> = found
                 .into_iter()
                 .filter_map(|(frame, says)| if let Painted::Snapped(at) = says { Some((frame, at)) } else { None })
@@ -84,18 +85,22 @@ impl ClipFit<'_> {
             if aligned.is_empty() {
                 break;
             }
-            let before = std::mem::replace(&mut adjusted, self.adjust(&aligned, watch)?);
+            let before = std::mem::replace(&mut adjusted, self.adjust(&aligned, progress)?);
             if self.largest_move_px(&before, &adjusted) <= SETTLED_PX {
                 break;
             }
         }
-        let judged = self.judge(&adjusted, reader, evidence, watch)?;
+        let judged = self.judge(&adjusted, reader, evidence, progress)?;
         Ok(FittedClip { adjusted, painted, judged })
     }
 
     /// Adjusts all frames to the points, the known cameras and those aligned to paint.
-    fn adjust(&self, aligned: &BTreeMap<usize, Anchor>, watch: WatchClip<'_>) -> Result<AdjustedClip, TrackClipError> {
-        go_on(watch(ClipProgress::Adjusting))?;
+    fn adjust(
+        &self,
+        aligned: &BTreeMap<usize, Anchor>,
+        progress: &Progress<'_, ClipProgress>,
+    ) -> Result<AdjustedClip, TrackClipError> {
+        report(progress, ClipProgress::Adjusting)?;
         // Paint of one picture counts once, however often it was asked.
         let is_same_paint = |anchor: &Anchor| anchor.by == AnchorSource::Paint && aligned.contains_key(&anchor.frame);
         let known = self.known.iter().filter(|anchor| !is_same_paint(anchor));
@@ -136,7 +141,7 @@ impl ClipFit<'_> {
         adjusted: &AdjustedClip,
         reader: &mut dyn ReadFrames,
         evidence: &ClipEvidence,
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<Judged, TrackClipError> {
         let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
         let unexplained = vec![0.0; paint.len()];
@@ -147,7 +152,7 @@ impl ClipFit<'_> {
         let asked = self.frames_to_ask(adjusted);
         let mut verdicts = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
-            go_on(watch(ClipProgress::Painting(done, asked.len())))?;
+            report(progress, ClipProgress::Painting(done, asked.len()))?;
             verdicts.push((frame, self.judge_frame(reader, evidence, (frame, ptz), &mut judged)?));
         }
         // Where one frame lies on its paint and the next that was asked does not, what spoilt the clip (a dissolve, a graphic that

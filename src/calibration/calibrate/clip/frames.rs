@@ -24,6 +24,27 @@ pub struct ClipFrames {
     pub frames: Vec<ClipFrame>,
 }
 
+/// A clip in short: which pictures it goes from and to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClipSpan {
+    /// The first picture.
+    pub first: FrameRef,
+    /// The last picture.
+    pub last: FrameRef,
+    /// How many pictures there are, these two included.
+    pub num_pictures: usize,
+}
+
+impl ClipFrames {
+    /// The clip in short; none where it has no picture.
+    #[must_use]
+    pub fn span(&self) -> Option<ClipSpan> {
+        let (first, last) = self.frames.first().zip(self.frames.last())?;
+        let num_pictures = self.frames.len();
+        Some(ClipSpan { first: first.source.clone(), last: last.source.clone(), num_pictures })
+    }
+}
+
 /// Where so many frames of a video are missing from the document, a clip ends: nothing is carried that far.
 const GAP: usize = 300;
 

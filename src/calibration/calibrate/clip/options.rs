@@ -1,6 +1,5 @@
-//! How a clip is tracked, and what whoever waits for it hears.
+//! How a clip is tracked, and how far that has come.
 
-use std::ops::ControlFlow;
 use touchline_vision::track::{AdjustOptions, CarryOptions, FollowOptions};
 
 /// How a clip is tracked.
@@ -44,6 +43,3 @@ pub enum ClipProgress {
     /// All frames are adjusted.
     Adjusting,
 }
-
-/// Told of the progress; may end it.
-pub type WatchClip<'a> = &'a mut dyn FnMut(ClipProgress) -> ControlFlow<()>;

@@ -3,14 +3,14 @@
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
 use super::frames::ClipFrames;
-use super::options::{ClipProgress, WatchClip};
+use super::options::ClipProgress;
 use super::paint::{MaskedPicture, Painted};
-use std::ops::ControlFlow;
 use touchline_core::camera::Ptz;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::DocumentAt;
-use touchline_vision::media::{Picture, ReadFrames};
+use touchline_vision::media::{FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame};
 use touchline_vision::track::{ClipCamera, FollowOptions, PointFollower, PointTracks, TrackError};
 
 /// The pictures of a clip.
@@ -28,7 +28,12 @@ impl ClipPictures<'_> {
 
     fn read(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<Picture, TrackClipError> {
         let source = &self.clip.frames[frame].source;
-        let picture = reader.read(source)?;
+        self.checked(source, reader.read(source))
+    }
+
+    /// A picture of the clip, if it could be read and is as large as the others.
+    fn checked(&self, source: &FrameRef, picture: Result<Picture, MediaError>) -> Result<Picture, TrackClipError> {
+        let picture = picture?;
         let (actual, expected) = (picture.size(), self.size);
         if actual == expected {
             return Ok(picture);
@@ -53,7 +58,7 @@ impl ClipPictures<'_> {
         reader: &mut dyn ReadFrames,
         options: FollowOptions,
         evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
         let pictures =
             FollowedPictures { sources: self.clip.frames.iter().map(|frame| frame.source.clone()).collect(), options };
@@ -61,7 +66,7 @@ impl ClipPictures<'_> {
         if let Some(tracks) = evidence.tracks(&pictures, &masks) {
             return Ok(tracks);
         }
-        let tracks = self.follow_afresh(reader, options, &masks, watch)?;
+        let tracks = self.follow_afresh(reader, options, &masks, progress)?;
         evidence.begin(pictures, masks, tracks.clone());
         Ok(tracks)
     }
@@ -72,21 +77,22 @@ impl ClipPictures<'_> {
         reader: &mut dyn ReadFrames,
         options: FollowOptions,
         masks: &[Vec<PixelBox>],
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
-        let count = self.clip.frames.len();
         let mut follower = PointFollower::new(self.size, options);
-        let mut next = (count > 0).then(|| self.read(reader, 0)).transpose()?;
-        for (frame, masks) in masks.iter().enumerate() {
-            go_on(watch(ClipProgress::Following(frame, count)))?;
-            let Some(picture) = next.take() else { break };
+        let mut frames = FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
+            .with_reader(reader)
+            .with_progress(progress.part(|Share { done, of }| ClipProgress::Following(done, of)));
+        let mut next = frames.next();
+        for masks in masks {
+            let Some(StreamedFrame { source, picture }) = next else { break };
+            let picture = self.checked(&source, picture)?;
             let mut ended: Result<usize, TrackError> = Ok(0);
-            let read = rayon::in_place_scope(|scope| {
-                scope.spawn(|_| ended = follower.add(&picture, masks));
-                (frame + 1 < count).then(|| self.read(reader, frame + 1)).transpose()
-            });
+            next = frames.next_during(|| ended = follower.add(&picture, masks));
             ended?;
-            next = read?;
+        }
+        if progress.is_cancelled() {
+            return Err(TrackClipError::Stopped);
         }
         Ok(follower.finished())
     }
@@ -98,11 +104,11 @@ impl ClipPictures<'_> {
         (field, camera): (&FieldModel, &ClipCamera),
         asked: &[(usize, Ptz)],
         evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
+        progress: &Progress<'_, ClipProgress>,
     ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
         let mut found = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
-            go_on(watch(ClipProgress::Painting(done, asked.len())))?;
+            report(progress, ClipProgress::Painting(done, asked.len()))?;
             let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
                 says
             } else {
@@ -117,7 +123,10 @@ impl ClipPictures<'_> {
     }
 }
 
-/// An error where whoever watches wants it to end.
-pub(super) fn go_on(flow: ControlFlow<()>) -> Result<(), TrackClipError> {
-    if flow.is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
+/// Reports how far a clip has come.
+///
+/// # Errors
+/// [`TrackClipError::Stopped`] if the receiver ends the tracking.
+pub(super) fn report(progress: &Progress<'_, ClipProgress>, step: ClipProgress) -> Result<(), TrackClipError> {
+    if progress.report(step).is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
 }

@@ -6,13 +6,14 @@ use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip, Judged};
 use super::frames::{ClipFrame, ClipFrames};
-use super::options::{TrackClipOptions, WatchClip};
+use super::options::{ClipProgress, TrackClipOptions};
 use super::pictures::ClipPictures;
 use crate::calibrate::size_fit::OpenSize;
 use crate::calibrate::unseen_length::UnseenLength;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImageSize;
+use touchline_core::progress::Progress;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{DocumentAt, FieldSize, FrameStatus};
 use touchline_vision::media::ReadFrames;
@@ -108,7 +109,7 @@ pub fn track_clip(
     reader: &mut dyn ReadFrames,
     options: &TrackClipOptions,
     evidence: &mut ClipEvidence,
-    watch: WatchClip<'_>,
+    progress: &Progress<'_, ClipProgress>,
 ) -> Result<TrackedClip, TrackClipError> {
     let document = at.document;
     let camera = document.cameras.iter().find(|camera| camera.id == clip.camera);
@@ -124,7 +125,7 @@ pub fn track_clip(
         return Err(TrackClipError::NothingKnown { frames: clip.frames.len() });
     }
     let pictures = ClipPictures { at, clip, size };
-    let tracks = pictures.follow_points(reader, options.follow, evidence, watch)?;
+    let tracks = pictures.follow_points(reader, options.follow, evidence, progress)?;
     evidence.with_camera(&camera);
     let anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
     let carried = carry(&camera, &tracks, &anchors, &options.carry);
@@ -140,7 +141,7 @@ pub fn track_clip(
         is_size_fitted,
         options,
     };
-    let FittedClip { adjusted, painted, judged } = fit.adjust_to_paint(reader, evidence, watch)?;
+    let FittedClip { adjusted, painted, judged } = fit.adjust_to_paint(reader, evidence, progress)?;
     let Judged { paint, kept, unexplained, is_of_other_field } = judged;
     let is_length_open = *spec.size() == FieldSize::Assumed || is_of_other_field;
     let open = spec.template(at.folder).ok().filter(|_| is_length_open).map(|template| OpenSize::new(template, field));

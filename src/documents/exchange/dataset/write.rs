@@ -16,21 +16,21 @@ use crate::document::{
 };
 use crate::exchange::error::ExchangeError;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::Path;
 use touchline_assets::DATASET_LOADER;
 use touchline_core::files::{folder_of, follow_link, refuse_other_files, replace_folder, temporary_folder_in};
+use touchline_core::progress::{Progress, Share};
 use touchline_vision::media::{Picture, ReadFrames, sha256_of_file};
 
 /// The files that every dataset has.
 const ALWAYS_WRITTEN: [&str; 7] =
     [DOCUMENT, MANIFEST, "README.md", "frames.csv", "fields.json", "schema.json", "touchline_dataset.py"];
 
-/// Writes a dataset as it was planned. `watch` is told how many of how many pictures are done, and may end it.
+/// Writes a dataset as it was planned. A step of `progress` counts pictures.
 ///
 /// # Errors
 /// Something other than a dataset is at `folder`, or a dataset and `force` was not given, or it holds files that the program did
-/// not write; it was ended; a file cannot be written. Nothing is left then, and what was there still is.
+/// not write; it was cancelled; a file cannot be written. Nothing is left then, and what was there still is.
 pub fn write_dataset(
     at: DocumentAt<'_>,
     plan: &DatasetPlan,
@@ -38,7 +38,7 @@ pub fn write_dataset(
     reader: &mut dyn ReadFrames,
     folder: &Path,
     force: bool,
-    watch: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    progress: &Progress<'_, Share>,
 ) -> Result<DatasetDone, ExchangeError> {
     let folder = &follow_link(folder);
     let old = OldDataset::read(folder, force)?;
@@ -53,7 +53,7 @@ pub fn write_dataset(
     let mut written = Written { of_frame: BTreeMap::new(), left_out: plan.left_out.clone(), pictures: 0 };
     for frame in &plan.frames {
         written.add(at, frame, options, reader, &mut files)?;
-        if watch(written.pictures, plan.pictures()).is_break() {
+        if progress.report(Share { done: written.pictures, of: plan.pictures() }).is_break() {
             return Err(ExchangeError::Stopped);
         }
     }

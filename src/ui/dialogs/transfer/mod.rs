@@ -11,8 +11,9 @@ use super::{has_just_opened, sheet};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
 use egui::{Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2};
-use touchline_application::app::transfer::{PicturesWritten, TransferAction, TransferTab};
+use touchline_application::app::transfer::{TransferAction, TransferTab};
 use touchline_application::app::{Action, Command, ViewAction};
+use touchline_core::progress::Share;
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(820.0, 560.0);
@@ -114,9 +115,9 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-fn progress(ui: &mut Ui, written: Option<PicturesWritten>) {
+fn progress(ui: &mut Ui, written: Option<Share>) {
     let (share, text) = match written {
-        Some(written) => (written.share(), format!("{} of {} pictures", written.done, written.of)),
+        Some(written) => (written.fraction(), format!("{} of {} pictures", written.done, written.of)),
         None => (0.0, "Writing…".to_owned()),
     };
     ui.add(ProgressBar::new(share).desired_width(240.0).text(text));

@@ -5,10 +5,10 @@ use super::comb::first_field;
 use super::known::known_or;
 use super::player::Player;
 use super::survey::{Survey, survey};
-use super::{VideoInfo, Watch};
+use super::{CountProgress, VideoInfo};
 use crate::media::{MediaError, Picture};
-use std::ops::ControlFlow;
 use std::path::Path;
+use touchline_core::progress::Progress;
 
 /// An open video. It stands at one place at a time: one for each thread.
 pub struct Video {
@@ -25,26 +25,31 @@ impl Video {
     /// # Errors
     /// The file cannot be read, is no video, none of its frames decodes, or they are too large.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
-        Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
+        Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens a video as [`Video::open`] does; where all frames are visited, `watch` is called now and then with how far
-    /// that has come, and may end it.
+    /// Opens a video as [`Video::open`] does; where all frames are visited, `progress` hears now and then how far that
+    /// has come, and may cancel it.
     ///
     /// # Errors
-    /// As [`Video::open`]; [`MediaError::Stopped`] when `watch` ended it.
-    pub fn open_watched(path: &Path, watch: Watch) -> Result<Self, MediaError> {
+    /// As [`Video::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
+    pub fn open_with_progress(path: &Path, progress: &Progress<'_, CountProgress>) -> Result<Self, MediaError> {
         let backend = VideoBackend::available().next();
         let backend = backend.ok_or_else(|| MediaError::NoVideoSupport { path: path.to_path_buf() })?;
-        Self::open_with(path, backend, watch)
+        Self::open_with(path, backend, progress)
     }
 
-    /// Opens a video as [`Video::open_watched`] does, by a backend of the caller's choice.
+    /// Opens a video as [`Video::open_with_progress`] does, by a backend of the caller's choice.
     ///
     /// # Errors
-    /// As [`Video::open_watched`]; [`MediaError::NoVideoSupport`] where the backend is not available.
-    pub fn open_with(path: &Path, backend: VideoBackend, watch: Watch) -> Result<Self, MediaError> {
-        let Survey { info, preroll, capture } = known_or(path, backend, watch, |watch| survey(path, backend, watch))?;
+    /// As [`Video::open_with_progress`]; [`MediaError::NoVideoSupport`] where the backend is not available.
+    pub fn open_with(
+        path: &Path,
+        backend: VideoBackend,
+        progress: &Progress<'_, CountProgress>,
+    ) -> Result<Self, MediaError> {
+        let survey = |progress: &Progress<'_, CountProgress>| survey(path, backend, progress);
+        let Survey { info, preroll, capture } = known_or(path, backend, progress, survey)?;
         Ok(Self { player: Player { capture, backend, position: None, preroll }, info })
     }
 

@@ -3,11 +3,12 @@
 
 use super::capture::{VideoBackend, open_capture};
 use super::survey::Survey;
-use super::{CountProgress, VideoInfo, Watch};
+use super::{CountProgress, VideoInfo};
 use crate::media::MediaError;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
+use touchline_core::progress::Progress;
 
 /// How many videos are remembered.
 const REMEMBERED: usize = 32;
@@ -41,7 +42,11 @@ enum State {
 
 impl Examination {
     /// What was found; none where it is for the caller to find out.
-    fn found_or_begun(&self, path: &Path, watch: Watch) -> Result<Option<(VideoInfo, usize)>, MediaError> {
+    fn found_or_begun(
+        &self,
+        path: &Path,
+        progress: &Progress<'_, CountProgress>,
+    ) -> Result<Option<(VideoInfo, usize)>, MediaError> {
         loop {
             let mut state = lock(&self.state);
             match &*state {
@@ -55,7 +60,7 @@ impl Examination {
             let (state, _) = self.changed.wait_timeout(state, TOLD_EVERY).unwrap_or_else(PoisonError::into_inner);
             let counted = if let State::UnderWay(counted) = &*state { counted.clone() } else { None };
             drop(state);
-            if counted.is_some_and(|counted| watch(counted).is_break()) {
+            if counted.is_some_and(|counted| progress.report(counted).is_break()) {
                 return Err(MediaError::Stopped { path: path.to_path_buf() });
             }
         }
@@ -95,23 +100,23 @@ impl FileState {
 }
 
 /// A video as it was surveyed before, opened anew; else surveyed by `survey`, which is called once at a time for a file.
-/// `watch` is called now and then, also while another thread surveys it, and may end that.
+/// `progress` hears of it now and then, also while another thread surveys it, and may cancel that.
 pub(super) fn known_or(
     path: &Path,
     backend: VideoBackend,
-    watch: Watch,
-    survey: impl FnOnce(Watch) -> Result<Survey, MediaError>,
+    progress: &Progress<'_, CountProgress>,
+    survey: impl FnOnce(&Progress<'_, CountProgress>) -> Result<Survey, MediaError>,
 ) -> Result<Survey, MediaError> {
-    let Some(file) = FileState::of(path, backend) else { return survey(watch) };
+    let Some(file) = FileState::of(path, backend) else { return survey(progress) };
     let examination = examination(file);
-    if let Some((info, preroll)) = examination.found_or_begun(path, watch)? {
+    if let Some((info, preroll)) = examination.found_or_begun(path, progress)? {
         return Ok(Survey { info, preroll, capture: open_capture(path, backend)? });
     }
     let mut begun = Begun { examination: &examination, found: None };
-    let found = survey(&mut |counted| {
+    let found = survey(&progress.part(|counted: CountProgress| {
         *lock(&examination.state) = State::UnderWay(Some(counted.clone()));
-        watch(counted)
-    })?;
+        counted
+    }))?;
     begun.found = Some((found.info.clone(), found.preroll));
     Ok(found)
 }

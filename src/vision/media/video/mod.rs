@@ -22,7 +22,6 @@ pub use clock::FrameClock;
 pub use decode::Video;
 
 use super::Notice;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
@@ -68,6 +67,3 @@ pub struct CountProgress {
     /// How many frames the container states; 0 where it states none.
     pub stated: usize,
 }
-
-/// Called with how far the numbering of a video's frames has come; may end it.
-type Watch<'a> = &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>;

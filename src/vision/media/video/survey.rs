@@ -9,7 +9,7 @@ use super::capture::{Capture, VideoBackend, count_packets, open_capture, open_ti
 use super::comb::is_combed;
 use super::player::{Landed, Player};
 use super::sample_table::sample_times_s;
-use super::{CountProgress, FrameClock, VideoInfo, Watch};
+use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::image_file::ImageLimits;
 use crate::media::{MediaError, Notice, Picture};
@@ -18,6 +18,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
+use touchline_core::progress::Progress;
 
 /// How many frames at the start are played to see their spacing and to compare jumps with them.
 const LEAD_FRAMES: usize = 32;
@@ -57,7 +58,11 @@ enum Container {
 }
 
 /// Opens a video and finds out what there is to know.
-pub(super) fn survey(path: &Path, backend: VideoBackend, watch: Watch) -> Result<Survey, MediaError> {
+pub(super) fn survey(
+    path: &Path,
+    backend: VideoBackend,
+    progress: &Progress<'_, CountProgress>,
+) -> Result<Survey, MediaError> {
     let container = container_of(path)?;
     let mut capture = open_capture(path, backend)?;
     let stated = *capture.stated();
@@ -90,7 +95,7 @@ pub(super) fn survey(path: &Path, backend: VideoBackend, watch: Watch) -> Result
             info.clock = listed(&lead.times_s, first_s, info.fps);
         }
     } else {
-        let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
+        let counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, progress };
         // The rate that an MP4 states is the mean of all frames: it has to be that of the first ones exactly.
         let may_be_even = deviation_s <= if container == Container::Mp4 { EXACT_S } else { ROUNDED_S };
         let counted = if may_be_even { count_to_the_end(&mut player, &info, &mut combed)? } else { None };
@@ -103,7 +108,7 @@ pub(super) fn survey(path: &Path, backend: VideoBackend, watch: Watch) -> Result
             let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
                 times_s.into_iter().map(Some).collect()
             } else {
-                play_through(path, backend, &mut counter)?
+                play_through(path, backend, &counter)?
             };
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
@@ -245,7 +250,7 @@ fn tabled(
 }
 
 /// The time of every frame, by playing them all.
-fn play_through(path: &Path, backend: VideoBackend, counter: &mut Counter) -> Result<Vec<Option<f64>>, MediaError> {
+fn play_through(path: &Path, backend: VideoBackend, counter: &Counter<'_>) -> Result<Vec<Option<f64>>, MediaError> {
     let mut capture = open_times(path, backend)?;
     let mut times_s = Vec::new();
     while capture.grab()? {
@@ -259,16 +264,16 @@ fn play_through(path: &Path, backend: VideoBackend, counter: &mut Counter) -> Re
 struct Counter<'a> {
     path: Arc<Path>,
     stated: usize,
-    watch: Watch<'a>,
+    progress: &'a Progress<'a, CountProgress>,
 }
 
 impl Counter<'_> {
-    fn at(&mut self, counted: usize) -> Result<(), MediaError> {
+    fn at(&self, counted: usize) -> Result<(), MediaError> {
         if !counted.is_multiple_of(COUNT_REPORT_FRAMES) {
             return Ok(());
         }
-        let progress = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
-        match (self.watch)(progress) {
+        let step = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
+        match self.progress.report(step) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(MediaError::Stopped { path: self.path.to_path_buf() }),
         }

@@ -9,7 +9,7 @@ mod write;
 
 pub use look::{Found, Look, TransferLook};
 pub use words::{describe_bytes, in_dialog};
-pub use write::{PicturesWritten, TransferWrite};
+pub use write::TransferWrite;
 
 use crate::app::effect::Effect;
 use crate::app::operation::{Running, Slot};

@@ -7,6 +7,7 @@ use crate::app::{App, sentence};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_core::geometry::counted;
+use touchline_core::progress::Share;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
     DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, export, folder_for_new,
@@ -44,32 +45,16 @@ pub(super) enum Writing {
     },
 }
 
-/// How many pictures of a dataset are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PicturesWritten {
-    /// So far.
-    pub done: usize,
-    /// Of all.
-    pub of: usize,
-}
-
-impl PicturesWritten {
-    /// The share that is done, from 0 to 1.
-    #[must_use]
-    pub fn share(self) -> f32 {
-        self.done as f32 / self.of.max(1) as f32
-    }
-}
-
 impl Operation for TransferWrite {
-    type Progress = PicturesWritten;
+    /// Pictures of a dataset that are written.
+    type Progress = Share;
     /// What is said of it.
     type Output = String;
     type Error = ExchangeError;
 
     const NAME: &'static str = "export";
 
-    fn run(&self, context: &Context<'_, PicturesWritten>) -> Result<String, ExchangeError> {
+    fn run(&self, context: &Context<'_, Share>) -> Result<String, ExchangeError> {
         match &self.writing {
             Writing::Export { format, options, made, to, replace } => {
                 let exported = match made {
@@ -91,8 +76,7 @@ impl Operation for TransferWrite {
                     None => Arc::new(plan_dataset(at, options)?),
                 };
                 let (to, mut reader) = (folder_for_new(to, "dataset"), context.open_reader());
-                let watch = &mut |done, of| context.report(PicturesWritten { done, of });
-                let done = write_dataset(at, &plan, options, &mut *reader, &to, *replace, watch)?;
+                let done = write_dataset(at, &plan, options, &mut *reader, &to, *replace, &context.progress())?;
                 Ok(describe_dataset(&done, &to))
             }
         }

@@ -8,7 +8,7 @@ use touchline_vision::paint::Snapped;
 
 /// A camera that was found, and the frames that it was found from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UnclickedCamera {
+pub struct AutocalibratedCamera {
     /// The base, in the pan gauge of the conventions.
     pub base: CameraBase,
     /// The field, with the crown and the size that were found.
@@ -16,16 +16,16 @@ pub struct UnclickedCamera {
     /// The lengths of the field that were fitted; none where its size is known, or where the one assumed explains the paint as well.
     pub sizes: Vec<FittedSize>,
     /// The frames that hang together and whose camera is certain.
-    pub frames: Vec<UnclickedFrame>,
+    pub frames: Vec<AutocalibratedFrame>,
     /// Frames that were looked at and hang together with none of these, by their places in the document: another camera's.
     pub others: Vec<usize>,
     /// Where paint stays while the camera turns: pan and tilt, evenly thinned.
     pub paint: Vec<PanTilt>,
     /// What speaks for it.
-    pub evidence: UnclickedEvidence,
+    pub evidence: AutocalibrationEvidence,
 }
 
-impl UnclickedCamera {
+impl AutocalibratedCamera {
     /// How many frames agree with the painted lines of their own picture.
     #[must_use]
     pub fn snapped_count(&self) -> usize {
@@ -35,7 +35,7 @@ impl UnclickedCamera {
 
 /// A frame of a camera that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UnclickedFrame {
+pub struct AutocalibratedFrame {
     /// Its place in the document.
     pub index: usize,
     /// Pan, tilt and focal length by all frames together.
@@ -47,10 +47,17 @@ pub struct UnclickedFrame {
     pub snapped: Option<Snapped>,
 }
 
+impl AutocalibratedFrame {
+    /// Pan, tilt and focal length by its own picture where that decides, else by all frames together.
+    pub(crate) fn best_ptz(&self) -> Ptz {
+        self.snapped.as_ref().map_or(self.ptz, |snapped| snapped.ptz)
+    }
+}
+
 /// What speaks for a base.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct UnclickedEvidence {
+pub struct AutocalibrationEvidence {
     /// Frames that it was found from.
     pub frames: usize,
     /// The share of the paint that stays that lies on a line of the field.
@@ -73,7 +80,7 @@ pub struct UnclickedEvidence {
     pub other_size_m: Option<[f64; 2]>,
 }
 
-impl UnclickedEvidence {
+impl AutocalibrationEvidence {
     /// How much of paint and lines belongs together, 0 to 1.
     #[must_use]
     pub fn score(&self) -> f64 {
