@@ -1,4 +1,4 @@
-//! The two layers against what is shown, journalled and undone.
+//! What people did and what is suggested, against what is shown, journalled and undone.
 
 use super::super::suggestions::KEPT_BASES;
 use super::*;
@@ -40,7 +40,7 @@ fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Propo
 /// A document as the window edits it, with its history and everything that was journalled.
 struct Desk {
     start: Document,
-    layered: Layered,
+    project: Project,
     now: Document,
     history: History<Document>,
     journal: Vec<Edit>,
@@ -48,35 +48,36 @@ struct Desk {
 
 impl Desk {
     fn of(start: Document) -> Self {
-        let layered = Layered::of(start.clone());
-        Self { now: start.clone(), start, layered, history: History::default(), journal: Vec::new() }
+        let project = Project::from_document(start.clone());
+        Self { now: start.clone(), start, project, history: History::default(), journal: Vec::new() }
     }
 
     fn edit(&mut self, name: &str, change: impl FnOnce(&mut Document)) {
-        self.history.begin(&self.layered.edited_of(&self.now), Step::on_document(name));
+        self.history.begin(&self.project.edits_in(&self.now), Step::on_document(name));
         change(&mut self.now);
-        self.history.commit(&self.layered.edited_of(&self.now));
-        self.settle();
+        self.history.commit(&self.project.edits_in(&self.now));
+        self.take_in();
     }
 
-    fn settle(&mut self) {
-        for (position, frame) in self.layered.not_shown_in(&self.now) {
+    fn take_in(&mut self) {
+        for (position, frame) in self.project.not_shown_in(&self.now) {
             self.now.frames[position] = frame;
         }
-        self.journal.extend(self.layered.settle(&mut self.now, "Edit"));
+        self.journal.extend(self.project.take_in(&mut self.now, "Edit"));
     }
 
     fn suggest(&mut self, proposals: &[Proposal]) {
         let offers: Vec<_> = proposals.iter().filter_map(Proposal::offer).collect();
-        self.journal.extend(self.layered.suggest(&mut self.now, &offers));
+        let batch = self.project.batch_of_finder(Finder::Forest { generation: 1 });
+        self.journal.extend(self.project.suggest(&mut self.now, batch, &offers));
     }
 
     fn step(&mut self, back: bool) -> bool {
-        let mut edited = self.layered.edited_of(&self.now);
+        let mut edited = self.project.edits_in(&self.now);
         let step = if back { self.history.undo(&mut edited) } else { self.history.redo(&mut edited) };
-        self.layered.keep_answers_not_in(&edited);
-        self.now = self.layered.shown_of(&edited);
-        self.settle();
+        self.project.keep_answers_not_in(&edited);
+        self.now = self.project.view_with(&edited);
+        self.take_in();
         step.is_some()
     }
 
@@ -90,11 +91,11 @@ impl Desk {
     }
 
     fn check(&self) {
-        let Self { layered, now, .. } = self;
-        assert!(layered.edited().frames.iter().all(|frame| !frame.shows_suggestion()));
-        assert_eq!(*layered.shown(), *now);
-        assert_eq!(layered.shown_of(layered.edited()), *now);
-        assert_eq!(layered.edited_of(now), *layered.edited());
+        let Self { project, now, .. } = self;
+        assert!(project.edited().frames.iter().all(|frame| !frame.shows_suggestion()));
+        assert_eq!(*project.view(), *now);
+        assert_eq!(project.view_with(project.edited()), *now);
+        assert_eq!(project.edits_in(now), *project.edited());
         let mut read = self.start.clone();
         self.journal.iter().for_each(|edit| edit.clone().apply(&mut read).unwrap());
         assert_eq!(read, *now, "the journal has it");
@@ -109,12 +110,12 @@ fn a_file_is_split_and_written_as_it_was() {
     proposal(&document, 2, Some(2.0)).record(&mut document.frames[2]);
     document.frames[2].status = FrameStatus::Reference;
     let text = document_to_string(&document).unwrap();
-    let layered = Layered::of(document_from_bytes(text.as_bytes()).unwrap());
-    let untouched: Vec<bool> = layered.edited().frames.iter().map(|frame| frame.is_untouched()).collect();
+    let project = Project::from_document(document_from_bytes(text.as_bytes()).unwrap());
+    let untouched: Vec<bool> = project.edited().frames.iter().map(|frame| frame.is_untouched()).collect();
     assert_eq!(untouched, [true, true, false, true]);
-    assert_eq!(layered.suggestions.frames().count(), 2);
-    assert_eq!(document_to_string(layered.shown()).unwrap(), text);
-    assert_eq!(document_to_string(&layered.shown_of(layered.edited())).unwrap(), text);
+    assert_eq!(project.suggestions.frames().count(), 2);
+    assert_eq!(document_to_string(project.view()).unwrap(), text);
+    assert_eq!(document_to_string(&project.view_with(project.edited())).unwrap(), text);
 }
 
 #[test]
@@ -123,7 +124,7 @@ fn accepting_is_one_step_and_taking_it_back_shows_what_is_suggested_by_then() {
     desk.suggest(&[proposal(&desk.now, 0, Some(1.0))]);
     assert_eq!(desk.history.next_undo(), None, "a suggestion is not a step");
     desk.accept(0);
-    let accepted = &desk.layered.edited().frames[0];
+    let accepted = &desk.project.edited().frames[0];
     assert_eq!((accepted.status, accepted.revision), (FrameStatus::Reference, 1));
     let meanwhile =
         Proposal { asked: Asked::of(&desk.start, &desk.start.frames[0]), ..proposal(&desk.now, 0, Some(2.0)) };
@@ -150,7 +151,7 @@ fn what_was_accepted_or_corrected_before_a_restart_is_suggested_again_when_that_
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(2.5, -9.0, 900.0), None));
         frame.solution = Some(Solution { source: Some(SolutionSource::Forest), proposed, ..Solution::default() });
     });
-    desk.layered = Layered::of(desk.now.clone());
+    desk.project = Project::from_document(desk.now.clone());
     while desk.step(true) {}
     assert_eq!(desk.pans(), [Some(1.0), Some(2.0)]);
     assert!(desk.now.frames.iter().all(|frame| frame.status == FrameStatus::Suggested));
@@ -199,7 +200,7 @@ fn each_base_has_what_was_suggested_for_it() {
         desk.suggest(&[proposal(&desk.now, 0, Some(3.0))]);
     }
     let id = &desk.now.frames[0].id;
-    assert_eq!(desk.layered.suggestions.of(id, Some(&base(18.0))), None, "it was too long ago");
+    assert_eq!(desk.project.suggestions.newest(id, Some(&base(18.0))), None, "it was too long ago");
     desk.check();
 }
 
@@ -225,7 +226,7 @@ fn frames_that_come_go_and_come_back_bring_what_is_suggested_for_them() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
-    fn both_layers_agree_with_what_is_shown_and_journalled(
+    fn edits_and_suggestions_agree_with_what_is_shown_and_journalled(
         steps in prop::collection::vec((0u8..8, 0usize..4, 0u8..4), 1..40),
     ) {
         let mut desk = Desk::of(document(4));
@@ -255,7 +256,7 @@ proptest! {
             desk.check();
         }
         while desk.step(true) {}
-        for (frame, start) in desk.layered.edited().frames.iter().zip(&desk.start.frames) {
+        for (frame, start) in desk.project.edited().frames.iter().zip(&desk.start.frames) {
             prop_assert_eq!(Frame { revision: 0, ..(**frame).clone() }, (**start).clone());
         }
     }
