@@ -12,7 +12,7 @@
 
 use super::suggestions::{Novelty, Suggestions, TakenOut};
 use super::{Asked, BatchId, Finder};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::counted;
 use touchline_documents::document::{
@@ -144,8 +144,12 @@ impl Project {
     /// the frames that do.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
+        let mut positions: BTreeSet<usize> = self.changed_positions(now).into_iter().collect();
+        if bases != Bases::in_document(&self.edited) {
+            positions.extend(self.suggestions.frames().filter_map(|id| now.frames.position_of(id)));
+        }
         let lacks = |frame: &Frame| !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some();
-        let lacking = self.changed_positions(now).into_iter().filter(|&position| lacks(&now.frames[position]));
+        let lacking = positions.into_iter().filter(|&position| lacks(&now.frames[position]));
         lacking.map(|position| (position, self.with_suggestion(&now.frames[position], &bases))).collect()
     }
 
