@@ -65,7 +65,7 @@ pub use session::Question;
 pub use settings::{Settings, WindowPlace};
 pub use shown::Shown;
 pub use trainer::{
-    Doing, ForestFacts, Share, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference,
+    AnswerKey, Doing, ForestFacts, Share, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference,
     describe_left,
 };
 pub use update::MAX_SCALE;

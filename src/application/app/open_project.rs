@@ -124,9 +124,8 @@ impl OpenProject {
         self.suggest(batch, &offers)
     }
 
-    /// Takes in cameras that were carried from what a forest answered, in the same way.
-    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) -> Option<Edit> {
-        let newest = carried.iter().map(|carried| carried.generation).max()?;
+    /// Takes in cameras that were carried from what forests answered, the `newest` of them among these, in the same way.
+    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal], newest: u64) -> Option<Edit> {
         let current = carried.iter().filter(|carried| carried.generation >= self.forest_generation);
         let offers: Vec<_> = current.map(CarriedProposal::offer).collect();
         let batch = self.batch_of_forest(newest);

@@ -1,7 +1,9 @@
 //! Suggestions that come and go: the forest's proposals, which of them are outdated, and batches that are discarded.
 
 use super::App;
+use crate::app::effect::Effect;
 use crate::app::session::Level;
+use crate::app::trainer::TrainerOrder;
 use touchline_calibration::calibrate::follow_all_bases;
 use touchline_calibration::proposals::{BatchId, CarriedProposal, Discarded, NoProposal, Proposal};
 use touchline_core::geometry::counted;
@@ -9,8 +11,13 @@ use touchline_core::geometry::counted;
 impl App {
     /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
+        let is_known = self.trainer_knows_document();
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
         let Some(edit) = open.take_proposals(proposals) else { return };
+        if is_known {
+            let generation = open.forest_generation;
+            self.tell_shown_answers(&edit, generation, false);
+        }
         self.journal_edit(edit);
         let mistake = proposals.iter().find_map(|proposal| match &proposal.outcome {
             Err(mistake @ NoProposal::Panicked { .. }) => Some(mistake.to_string()),
@@ -23,10 +30,14 @@ impl App {
 
     /// Takes in cameras that were carried from what the forest proposed, in the same way.
     pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) {
-        let open = self.open.as_mut().filter(|open| open.read_only.is_none());
-        if let Some(edit) = open.and_then(|open| open.take_carried(carried)) {
-            self.journal_edit(edit);
+        let is_known = self.trainer_knows_document();
+        let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
+        let Some(newest) = carried.iter().map(|carried| carried.generation).max() else { return };
+        let Some(edit) = open.take_carried(carried, newest) else { return };
+        if is_known {
+            self.tell_shown_answers(&edit, newest, true);
         }
+        self.journal_edit(edit);
     }
 
     /// Why the batch of the shown frame's suggestion cannot be discarded; none if it can.
@@ -59,6 +70,9 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let discarded = open.discard_batch(batch, newest_forest);
         let text = describe_discarded(&discarded);
+        if let Some(refused) = discarded.refused {
+            self.effects.push(Effect::Trainer(TrainerOrder::Refused(refused)));
+        }
         if let Some(edit) = discarded.edit {
             self.journal_edit(edit);
         }

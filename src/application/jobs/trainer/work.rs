@@ -13,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
-    AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
+    AskingOrder, CarriedProposal, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
 };
 use touchline_documents::document::{Document, FieldSpec, FrameId};
 use touchline_vision::relocalize::{CameraForest, ForestModel};
@@ -118,7 +118,7 @@ impl<C: Backend> Work<C> {
 
     /// Works until it is stopped.
     pub(super) fn run(mut self) {
-        while let Some(orders) = self.mailbox.peek(Orders::clone) {
+        while let Some(orders) = self.mailbox.take_orders() {
             self.take_in(orders);
             let step = self.next();
             if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
@@ -139,7 +139,17 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    fn take_in(&mut self, orders: Orders) {
+    fn take_in(&mut self, mut orders: Orders) {
+        for refused in orders.refused.drain(..) {
+            self.answer_cache.refuse(refused);
+        }
+        for key in orders.shown.drain(..) {
+            if key.is_carried {
+                self.windows.note_shown(&key.frame);
+            } else {
+                self.answer_cache.note_shown(&key);
+            }
+        }
         if self.orders.paused && !orders.paused {
             // Pausing and resuming is how the user retries.
             self.failed = None;
@@ -253,6 +263,8 @@ impl<C: Backend> Work<C> {
         match self.backend.recall(&self.training_set) {
             Ok(Some(model)) => {
                 let facts = ForestFacts { references: self.training_frames.frames.len(), ..facts(&model) };
+                // It answered in an earlier session.
+                self.answer_cache.keep_refusing(self.generation, self.generation + 1);
                 self.take_forest(model, self.training_set.clone(), facts);
             }
             Ok(None) => {}
@@ -376,6 +388,8 @@ impl<C: Backend> Work<C> {
             }
         };
         self.carried += window.between.len();
+        let is_refused = |carried: &CarriedProposal| self.answer_cache.is_refused(&carried.frame, self.generation);
+        let carried = carried.into_iter().filter(|carried| !is_refused(carried)).collect();
         let news = self.windows.enter(window, &self.document, carried);
         for carried in &news {
             let is_key = |place: usize| window.keys.contains(&place);
@@ -448,6 +462,7 @@ impl<C: Backend> Work<C> {
         let mut model = (*forest.model).clone();
         quality.bound(&self.document, &mut model);
         let (training_set, facts) = (forest.training_set.clone(), *facts);
+        self.answer_cache.keep_refusing(self.generation, self.generation + 1);
         self.take_forest(model, training_set, facts);
     }
 
