@@ -1,7 +1,7 @@
 //! A project: what people did, and beside it what the program suggests.
 //!
 //! Both are the state. What a reader sees follows from them ([`Project::view`]): a frame that nobody
-//! has touched shows the newest suggestion for it. The view is kept, so that a change works out only
+//! has touched shows the topmost suggestion for it. The view is kept, so that a change works out only
 //! the frames that it concerns. A file holds the view, and so does the journal.
 //!
 //! Everything that the program finds has one life, whatever found it. It comes as a batch. Accepting
@@ -129,7 +129,7 @@ impl Project {
             let (frame, gone) = (&edited.frames[position], &self.edited.frames[position]);
             let base = bases.of_frame(gone);
             if frame.is_untouched()
-                && self.suggestions.newest(&frame.id, base.as_ref()).is_none()
+                && self.suggestions.topmost(&frame.id, base.as_ref()).is_none()
                 && let Some((ptz, solution)) = taken_from_suggestion(gone)
             {
                 let batch = self.suggestions.batch_of_finder(Finder::Earlier { source: solution.source });
@@ -215,7 +215,7 @@ impl Project {
     /// The batch of the suggestion that a frame of [`Self::view`] shows.
     pub fn batch_shown_in(&self, frame: &Frame) -> Option<BatchId> {
         let base = Bases::in_document(&self.edited).of_frame(frame);
-        self.suggestions.newest_batch(&frame.id, base.as_ref()).filter(|_| frame.shows_suggestion())
+        self.suggestions.topmost_batch(&frame.id, base.as_ref()).filter(|_| frame.shows_suggestion())
     }
 
     /// Discards a batch in the frames that nobody has touched since. If a forest found it, neither that forest nor one up to
@@ -269,7 +269,7 @@ impl Project {
 
     /// What is suggested for a frame that nobody has touched.
     fn suggestion_for(&self, frame: &Frame, bases: &Bases) -> Option<&Suggestion> {
-        self.suggestions.newest(&frame.id, bases.of_frame(frame).as_ref()).filter(|_| frame.is_untouched())
+        self.suggestions.topmost(&frame.id, bases.of_frame(frame).as_ref()).filter(|_| frame.is_untouched())
     }
 
     fn with_suggestion(&self, frame: &Shared<Frame>, bases: &Bases) -> Shared<Frame> {

@@ -1,6 +1,6 @@
 //! What the program suggests, by frame, in batches.
 //!
-//! A frame keeps a few suggestions, the newest last; readers see the newest that was made for the
+//! A frame keeps a few suggestions, one above the other. Readers see the topmost that was made for the
 //! base that the frame's camera has now. Discarding a batch takes its suggestions out, and those
 //! beneath them are seen again.
 
@@ -60,7 +60,7 @@ pub(super) enum Novelty {
 /// What the program suggests, by frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Suggestions {
-    /// Of each frame the newest last.
+    /// Of each frame the topmost last.
     by_frame: BTreeMap<FrameId, Vec<KeptSuggestion>>,
     finders: BTreeMap<BatchId, Finder>,
     /// The number of the last batch.
@@ -74,6 +74,15 @@ pub(super) struct Suggestions {
 struct KeptSuggestion {
     batch: BatchId,
     suggestion: Suggestion,
+}
+
+impl KeptSuggestion {
+    /// Whether it is a camera that a person asked for and that no forest gave.
+    fn is_found_without_forest(&self, finder: Option<&Finder>) -> bool {
+        let source = self.suggestion.solution.as_ref().and_then(|solution| solution.source);
+        let is_by_command = matches!(finder, Some(Finder::Command { .. }));
+        is_by_command && self.suggestion.ptz.is_some() && source != Some(SolutionSource::Forest)
+    }
 }
 
 /// The frames that a batch was taken out of.
@@ -106,21 +115,21 @@ impl Suggestions {
     }
 
     /// What is suggested for a frame while its camera has this base.
-    pub fn newest(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
-        self.newest_kept(frame, base).map(|kept| &kept.suggestion)
+    pub fn topmost(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
+        self.topmost_kept(frame, base).map(|kept| &kept.suggestion)
     }
 
-    /// The batch of [`Self::newest`].
-    pub fn newest_batch(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<BatchId> {
-        self.newest_kept(frame, base).map(|kept| kept.batch)
+    /// The batch of [`Self::topmost`].
+    pub fn topmost_batch(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<BatchId> {
+        self.topmost_kept(frame, base).map(|kept| kept.batch)
     }
 
-    fn newest_kept(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&KeptSuggestion> {
+    fn topmost_kept(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&KeptSuggestion> {
         let is_for_base = |kept: &&KeptSuggestion| kept.suggestion.base.as_ref() == base;
         self.by_frame.get(frame)?.iter().rev().find(is_for_base)
     }
 
-    fn newest_kept_mut(&mut self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&mut KeptSuggestion> {
+    fn topmost_kept_mut(&mut self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&mut KeptSuggestion> {
         let is_for_base = |kept: &&mut KeptSuggestion| kept.suggestion.base.as_ref() == base;
         self.by_frame.get_mut(frame)?.iter_mut().rev().find(is_for_base)
     }
@@ -132,7 +141,7 @@ impl Suggestions {
         {
             return Novelty::Stale;
         }
-        match self.newest(frame, suggestion.base.as_ref()) {
+        match self.topmost(frame, suggestion.base.as_ref()) {
             Some(known) if suggestion.revision < known.revision => Novelty::Stale,
             Some(known) if says_the_same(suggestion, known) => Novelty::Same,
             _ => Novelty::New,
@@ -141,26 +150,33 @@ impl Suggestions {
 
     /// Puts a suggestion above what is known of a frame. It replaces what the same batch said for the same base, and a
     /// forest's answer replaces that of an earlier forest.
+    ///
+    /// A forest's answer goes beneath a camera that a person had found otherwise: no forest is asked where there is one, so
+    /// that the answer was on its way.
     pub fn put(&mut self, frame: &FrameId, batch: BatchId, suggestion: Suggestion) {
         let Self { by_frame, finders, .. } = self;
         let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
+        let is_for_same_base = |known: &KeptSuggestion| known.suggestion.base == suggestion.base;
         let is_replaced = |known: &KeptSuggestion| {
-            known.suggestion.base == suggestion.base
-                && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
+            is_for_same_base(known) && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
+        };
+        let stays_above = |known: &KeptSuggestion| {
+            is_for_same_base(known) && is_forest(batch) && known.is_found_without_forest(finders.get(&known.batch))
         };
         let kept = by_frame.entry(frame.clone()).or_default();
         kept.retain(|known| !is_replaced(known));
-        kept.push(KeptSuggestion { batch, suggestion });
+        let at = kept.iter().position(stays_above).unwrap_or(kept.len());
+        kept.insert(at, KeptSuggestion { batch, suggestion });
         forget_oldest(kept);
     }
 
     /// Moves a forest's answer to the batch of a later forest that has said the same.
     pub fn move_to_batch(&mut self, frame: &FrameId, base: Option<&CameraBase>, batch: BatchId) {
         let is_forest = |batch| self.finder(batch).is_some_and(Finder::is_forest);
-        let Some(known) = self.newest_batch(frame, base) else { return };
+        let Some(known) = self.topmost_batch(frame, base) else { return };
         if is_forest(batch)
             && is_forest(known)
-            && let Some(kept) = self.newest_kept_mut(frame, base)
+            && let Some(kept) = self.topmost_kept_mut(frame, base)
         {
             kept.batch = batch;
         }
@@ -169,7 +185,7 @@ impl Suggestions {
     /// Notes that what is suggested for a frame holds for the revision in which the frame shows it now. False where
     /// something else is suggested.
     pub fn keep(&mut self, frame: &FrameId, shown: &Suggestion) -> bool {
-        let Some(kept) = self.newest_kept_mut(frame, shown.base.as_ref()) else { return false };
+        let Some(kept) = self.topmost_kept_mut(frame, shown.base.as_ref()) else { return false };
         let known = &mut kept.suggestion;
         let is_same = known.ptz == shown.ptz && known.solution == shown.solution;
         if is_same {
@@ -206,18 +222,18 @@ impl Suggestions {
     }
 }
 
-/// Forgets all but the newest suggestions for each of the bases that were answered for last.
+/// Forgets all but the topmost suggestions for each of the bases that were answered for last.
 fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
     let mut bases: Vec<Option<CameraBase>> = Vec::new();
     let mut left = Vec::with_capacity(kept.len());
-    for newest in kept.drain(..).rev() {
-        let base = newest.suggestion.base;
+    for topmost in kept.drain(..).rev() {
+        let base = topmost.suggestion.base;
         if !bases.contains(&base) {
             bases.push(base);
         }
         let for_base = left.iter().filter(|kept: &&KeptSuggestion| kept.suggestion.base == base).count();
         if bases.len() <= KEPT_BASES && for_base < KEPT_SUGGESTIONS {
-            left.push(newest);
+            left.push(topmost);
         }
     }
     kept.extend(left.into_iter().rev());

@@ -113,17 +113,17 @@ impl App {
 fn describe_discarded(Discarded { emptied, given_back, .. }: &Discarded) -> String {
     match (*emptied, *given_back) {
         (0, 0) => "No frame shows these suggestions any more.".to_owned(),
-        (0, given_back) => format!("{} again what was suggested before.", counted_verb(given_back, "shows", "show")),
-        (emptied, 0) => format!("{} no suggestion now.", counted_verb(emptied, "has", "have")),
+        (0, given_back) => format!("{} again what was suggested before.", frames_that(given_back, "shows", "show")),
+        (emptied, 0) => format!("{} no suggestion now.", frames_that(emptied, "has", "have")),
         (emptied, given_back) => format!(
             "{} no suggestion now, {} again what was suggested before.",
-            counted_verb(emptied, "has", "have"),
-            counted_verb(given_back, "shows", "show")
+            frames_that(emptied, "has", "have"),
+            frames_that(given_back, "shows", "show")
         ),
     }
 }
 
-/// So many frames as the subject of a sentence.
-fn counted_verb(frames: usize, one: &str, many: &str) -> String {
+/// A count of frames with its verb: "1 frame has", "3 frames have".
+fn frames_that(frames: usize, one: &str, many: &str) -> String {
     format!("{} {}", counted(frames, "frame"), if frames == 1 { one } else { many })
 }

@@ -127,7 +127,7 @@ impl Desk {
         for (edited, shown) in project.edited().frames.iter().zip(&now.frames) {
             assert!(!edited.shows_suggestion());
             let base = Bases::in_document(now).of_frame(edited);
-            let suggestion = project.suggestions.newest(&edited.id, base.as_ref()).filter(|_| edited.is_untouched());
+            let suggestion = project.suggestions.topmost(&edited.id, base.as_ref()).filter(|_| edited.is_untouched());
             let mut expected = Frame::clone(edited);
             if let Some(suggestion) = suggestion {
                 suggestion.show_in(&mut expected);
@@ -244,7 +244,7 @@ fn each_base_has_what_was_suggested_for_it() {
         desk.suggest(&[proposal(&desk.now, 0, Some(3.0))]);
     }
     let id = &desk.now.frames[0].id;
-    assert_eq!(desk.project.suggestions.newest(id, Some(&base(18.0))), None, "it was too long ago");
+    assert_eq!(desk.project.suggestions.topmost(id, Some(&base(18.0))), None, "it was too long ago");
     desk.check();
 }
 
@@ -284,6 +284,18 @@ fn a_discarded_batch_gives_back_what_was_suggested_before() {
     assert_eq!(desk.pans(), [Some(1.0), Some(6.0), None], "nobody discarded what the frame shows again");
     desk.discard(batch);
     assert_eq!(desk.now.frames[1].ptz, before.frames[1].ptz);
+    desk.check();
+}
+
+#[test]
+fn a_forest_that_answers_late_does_not_cover_a_camera_that_was_carried_meanwhile() {
+    let mut desk = Desk::of(document(2));
+    let late = [proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, Some(2.0))];
+    let batch = desk.carry(&[(0, 5.0)]);
+    desk.suggest(&late);
+    assert_eq!(desk.pans(), [Some(5.0), Some(2.0)]);
+    desk.discard(batch);
+    assert_eq!(desk.pans(), [Some(1.0), Some(2.0)], "beneath it the answer was kept");
     desk.check();
 }
 
