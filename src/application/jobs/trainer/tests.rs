@@ -680,7 +680,7 @@ fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
     all.frames.push(document(3, 0).frames[2].clone());
     controller.document(&all);
     controller.expect(&Begun::Learn(vec![0, 1, 4]), Let::Well);
-    controller.expect(&Begun::Propose(vec![3, 2]), Let::Well);
+    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
 }
 
 #[test]

@@ -38,6 +38,13 @@ fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Propo
     Proposal { frame: frame.id.clone(), asked, generation: 1, outcome, timings: Timings::default() }
 }
 
+/// Writes a suggested camera into a frame.
+fn suggest_camera(frame: &mut Frame, pan_deg: f64, source: SolutionSource) {
+    frame.ptz = Some(Answer::at_pan(pan_deg, 0.9).ptz);
+    frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
+    frame.status = FrameStatus::Suggested;
+}
+
 /// A document as the window edits it, with its history and everything that was journalled.
 struct Desk {
     start: Document,
@@ -79,11 +86,8 @@ impl Desk {
     /// Carries cameras to frames: their positions and pans.
     fn carry(&mut self, cameras: &[(usize, f64)]) -> BatchId {
         let offer = |(position, pan_deg): &(usize, f64)| {
-            Offer::from_recorded(&self.now, *position, |frame| {
-                frame.ptz = Some(Answer::at_pan(*pan_deg, 0.9).ptz);
-                frame.solution = Some(Solution { source: Some(SolutionSource::Tracking), ..Solution::default() });
-                frame.status = FrameStatus::Suggested;
-            })
+            let record = |frame: &mut Frame| suggest_camera(frame, *pan_deg, SolutionSource::Tracking);
+            Offer::from_recorded(&self.now, *position, record)
         };
         let offers: Vec<_> = cameras.iter().filter_map(offer).collect();
         let batch = self.project.open_batch(Finder::Command { name: "Carry".to_owned() });
@@ -325,6 +329,8 @@ enum Happening {
     Learn,
     /// Cameras are carried from a frame on.
     Carry(usize, f64),
+    /// The camera is found without a click at a height, and its frames with it.
+    Find(f64, f64),
     /// The batch that a frame shows is discarded.
     Discard(usize),
     Accept(usize),
@@ -346,6 +352,7 @@ fn happenings() -> impl Strategy<Value = Vec<Happening>> {
             4 => (frame.clone(), pan).prop_map(|(frame, pan)| Happening::Answer(frame, pan)),
             1 => Just(Happening::Learn),
             2 => (frame.clone(), number.clone()).prop_map(|(frame, pan)| Happening::Carry(frame, pan)),
+            1 => (number.clone(), number.clone()).prop_map(|(more_m, pan)| Happening::Find(18.0 + more_m, pan)),
             2 => frame.clone().prop_map(Happening::Discard),
             2 => frame.clone().prop_map(Happening::Accept),
             1 => (frame.clone(), 0u8..4).prop_map(|(frame, text)| Happening::Comment(frame, text)),
@@ -370,6 +377,12 @@ impl Desk {
                 let cameras: Vec<_> = (first..self.now.frames.len()).map(|frame| (frame, pan_deg)).collect();
                 self.carry(&cameras);
             }
+            Happening::Find(height_m, pan_deg) => self.edit("Find the camera", |document| {
+                document.cameras[0].set_base(&base(height_m));
+                for frame in document.frames.iter_mut().filter(|frame| frame.is_open()) {
+                    suggest_camera(frame, pan_deg, SolutionSource::Markings);
+                }
+            }),
             Happening::Discard(frame) => {
                 if let Some(batch) = self.project.batch_shown_in(&self.now.frames[frame]) {
                     self.discard(batch);
