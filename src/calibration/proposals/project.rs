@@ -122,7 +122,7 @@ impl Project {
     }
 
     /// Keeps the answers that are in frames now and not in another state of what people did: when an answer that was accepted or
-    /// corrected in an earlier session is undone, it is suggested again.
+    /// corrected in an earlier session is undone, it is suggested again, unless it was discarded in this one.
     pub fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::in_document(&self.edited);
         for position in edited.frames.changed_in_place(&self.edited.frames).unwrap_or_default() {
@@ -130,6 +130,7 @@ impl Project {
             let base = bases.of_frame(gone);
             if frame.is_untouched()
                 && self.suggestions.topmost(&frame.id, base.as_ref()).is_none()
+                && !self.suggestions.has_discarded(&frame.id)
                 && let Some((ptz, solution)) = taken_from_suggestion(gone)
             {
                 let batch = self.suggestions.batch_of_finder(Finder::Earlier { source: solution.source });
@@ -203,13 +204,12 @@ impl Project {
                 }
             }
         }
+        let Shown { view, given, .. } = self.show_suggestions(now, &changed);
         let name = match self.suggestions.finder(batch) {
-            Some(Finder::Command { name }) => Some(name.clone()),
-            _ => None,
+            Some(Finder::Command { name }) => name.clone(),
+            _ => format!("Proposals for {}", counted(given, "frame")),
         };
-        let shown = self.show_suggestions(now, &changed);
-        let proposals = || format!("Proposals for {}", counted(shown.emptied + shown.given, "frame"));
-        self.go_on_to(shown.view, &name.unwrap_or_else(proposals))
+        self.go_on_to(view, &name)
     }
 
     /// The batch of the suggestion that a frame of [`Self::view`] shows.

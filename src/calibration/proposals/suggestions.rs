@@ -65,8 +65,8 @@ pub(super) struct Suggestions {
     finders: BTreeMap<BatchId, Finder>,
     /// The number of the last batch.
     last: u64,
-    /// Frames in which answers of a forest were discarded, and the newest forest that may not answer there again.
-    refused: BTreeMap<FrameId, u64>,
+    /// Frames in which suggestions were discarded, and the newest forest that may not answer there again: 0 where any may.
+    discarded: BTreeMap<FrameId, u64>,
 }
 
 /// A suggestion in its batch.
@@ -137,7 +137,7 @@ impl Suggestions {
     /// How an answer for a batch stands to what is known.
     pub fn novelty(&self, frame: &FrameId, batch: BatchId, suggestion: &Suggestion) -> Novelty {
         if let Some(Finder::Forest { generation }) = self.finder(batch)
-            && self.refused.get(frame).is_some_and(|refused| generation <= refused)
+            && self.discarded.get(frame).is_some_and(|refused| generation <= refused)
         {
             return Novelty::Stale;
         }
@@ -210,10 +210,16 @@ impl Suggestions {
             Some(finder) if finder.is_forest() => Some(newest_forest),
             _ => None,
         };
-        if let Some(generation) = taken.refused {
-            self.refused.extend(taken.frames.iter().map(|frame| (frame.clone(), generation)));
+        for frame in &taken.frames {
+            let newest = self.discarded.entry(frame.clone()).or_default();
+            *newest = taken.refused.unwrap_or(0).max(*newest);
         }
         taken
+    }
+
+    /// Whether anything that was suggested for a frame has been discarded.
+    pub fn has_discarded(&self, frame: &FrameId) -> bool {
+        self.discarded.contains_key(frame)
     }
 
     /// The frames that anything is suggested for, or was when their cameras had other bases.

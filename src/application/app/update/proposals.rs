@@ -7,6 +7,7 @@ use crate::app::trainer::TrainerOrder;
 use touchline_calibration::calibrate::follow_all_bases;
 use touchline_calibration::proposals::{BatchId, CarriedProposal, Discarded, NoProposal, Proposal};
 use touchline_core::geometry::counted;
+use touchline_documents::document::Frame;
 
 impl App {
     /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
@@ -45,7 +46,7 @@ impl App {
         if self.is_read_only() {
             return Some("The document is read-only.");
         }
-        if !self.frame().is_some_and(|frame| frame.shows_suggestion()) {
+        if !self.frame().is_some_and(Frame::shows_suggestion) {
             return Some("Nothing is suggested for this frame.");
         }
         self.shown_batch().is_none().then_some("Its batch of suggestions is gone.")

@@ -292,6 +292,21 @@ fn a_discarded_batch_gives_back_what_was_suggested_before() {
 }
 
 #[test]
+fn what_was_discarded_does_not_come_back_when_its_acceptance_is_redone_and_undone() {
+    let mut desk = Desk::of(document(1));
+    desk.suggest(&[proposal(&desk.now, 0, Some(1.0))]);
+    desk.accept(0);
+    assert!(desk.step(true));
+    let batch = desk.project.batch_shown_in(&desk.now.frames[0]).unwrap();
+    desk.discard(batch);
+    assert!(desk.step(false));
+    assert_eq!(desk.now.frames[0].status, FrameStatus::Reference);
+    assert!(desk.step(true));
+    assert_eq!(desk.pans(), [None]);
+    desk.check();
+}
+
+#[test]
 fn a_forest_that_answers_late_does_not_cover_a_camera_that_was_carried_meanwhile() {
     let mut desk = Desk::of(document(2));
     let late = [proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, Some(2.0))];
@@ -440,7 +455,9 @@ proptest! {
     #[test]
     fn a_batch_that_is_discarded_leaves_no_trace(happenings in happenings(), first in 0usize..4, pan_deg in 5.0f64..9.0) {
         let mut desk = Desk::of(document(4));
-        happenings.into_iter().for_each(|happening| desk.happen(happening));
+        for happening in happenings {
+            desk.happen(happening);
+        }
         let before = desk.now.clone();
         let cameras: Vec<_> = (first..4).map(|frame| (frame, pan_deg)).collect();
         let batch = desk.carry(&cameras);
