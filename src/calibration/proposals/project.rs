@@ -145,32 +145,32 @@ impl Project {
     /// the frames that do.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
-        let mut positions: BTreeSet<usize> = self.changed_positions(now).into_iter().collect();
-        if bases != Bases::in_document(&self.edited) {
-            positions.extend(self.suggestions.frames().filter_map(|id| now.frames.position_of(id)));
-        }
         let lacks = |frame: &Frame| !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some();
-        let lacking = positions.into_iter().filter(|&position| lacks(&now.frames[position]));
+        let positions = self.concerned_positions(now, &bases).into_iter();
+        let lacking = positions.filter(|&position| lacks(&now.frames[position]));
         lacking.map(|position| (position, self.with_suggestion(&now.frames[position], &bases))).collect()
     }
 
     /// Takes in what edits made of [`Self::view`], counts them in the frames' revisions and says what is to be journalled; none
-    /// if nothing changed. Suggestions that came with the edits are a batch.
+    /// if nothing changed. Suggestions that came with the edits are a batch; one that a frame goes on showing stays in its own.
     pub fn take_in(&mut self, now: &mut Document, name: &str) -> Option<Edit> {
         now.count_edits_since(&self.view);
         let edit = Edit::between(&self.view, now, name);
         if edit.is_empty() {
             return None;
         }
-        let bases = Bases::in_document(now);
-        let mut batch = None;
-        for frame in self.changed_positions(now).into_iter().map(|position| &now.frames[position]) {
+        let (bases_before, bases) = (Bases::in_document(&self.edited), Bases::in_document(now));
+        let mut new_batch = None;
+        for frame in self.concerned_positions(now, &bases).into_iter().map(|position| &now.frames[position]) {
             let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref()) else { continue };
-            if !self.suggestions.keep(&frame.id, &suggestion) {
-                let open = || self.suggestions.open_batch(Finder::Command { name: name.to_owned() });
-                let batch = *batch.get_or_insert_with(open);
-                self.suggestions.put(&frame.id, batch, suggestion);
+            if self.suggestions.keep(&frame.id, &suggestion) {
+                continue;
             }
+            let batch = self.batch_that_showed(&suggestion, &frame.id, &bases_before).unwrap_or_else(|| {
+                let open = || self.suggestions.open_batch(Finder::Command { name: name.to_owned() });
+                *new_batch.get_or_insert_with(open)
+            });
+            self.suggestions.put(&frame.id, batch, suggestion);
         }
         self.edited = self.edits_in(now);
         self.view = now.clone();
@@ -262,9 +262,24 @@ impl Project {
         Some(edit).filter(|edit| !edit.is_empty())
     }
 
-    /// The positions at which a later state may differ from [`Self::view`].
-    fn changed_positions(&self, now: &Document) -> Vec<usize> {
-        now.frames.changed_in_place(&self.view.frames).unwrap_or_else(|| (0..now.frames.len()).collect())
+    /// The batch of what a frame of [`Self::view`] shows, if that is the same camera or the same want of one.
+    fn batch_that_showed(&self, suggestion: &Suggestion, frame: &FrameId, bases: &Bases) -> Option<BatchId> {
+        let known = self.view.frames.by_id(frame)?;
+        let is_same = known.ptz == suggestion.ptz && known.solution == suggestion.solution;
+        if is_same { self.suggestions.topmost_batch(frame, bases.of_frame(known).as_ref()) } else { None }
+    }
+
+    /// The positions at which a later state, whose cameras have these bases, may differ from [`Self::view`], or at which
+    /// something else may be suggested.
+    fn concerned_positions(&self, now: &Document, bases: &Bases) -> BTreeSet<usize> {
+        let Some(changed) = now.frames.changed_in_place(&self.view.frames) else {
+            return (0..now.frames.len()).collect();
+        };
+        let mut positions: BTreeSet<usize> = changed.into_iter().collect();
+        if *bases != Bases::in_document(&self.edited) {
+            positions.extend(self.suggestions.frames().filter_map(|id| now.frames.position_of(id)));
+        }
+        positions
     }
 
     /// What is suggested for a frame that nobody has touched.
