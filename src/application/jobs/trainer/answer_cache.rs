@@ -14,6 +14,8 @@ pub(super) struct AnswerCache {
     trusted_from: u64,
     /// Frames in which answers were discarded, and the newest forest that is not asked for them again.
     refused: BTreeMap<FrameId, u64>,
+    /// Forests that go on under a later number, and that number.
+    renumbered: BTreeMap<u64, u64>,
 }
 
 /// How a frame is asked for.
@@ -116,7 +118,11 @@ impl AnswerCache {
     }
 
     /// Forests that are not asked for some frames again.
-    pub(super) fn refuse(&mut self, RefusedForests { frames, generation }: RefusedForests) {
+    pub(super) fn refuse(&mut self, RefusedForests { frames, mut generation }: RefusedForests) {
+        // Whoever refused it may not have heard of its later number.
+        while let Some(later) = self.renumbered.get(&generation) {
+            generation = *later;
+        }
         for frame in frames {
             let newest = self.refused.entry(frame).or_default();
             *newest = generation.max(*newest);
@@ -125,6 +131,7 @@ impl AnswerCache {
 
     /// The forest of a generation goes on under the number of a later one: where it was refused, it still is.
     pub(super) fn keep_refusing(&mut self, generation: u64, later: u64) {
+        self.renumbered.insert(generation, later);
         self.refused.values_mut().filter(|refused| **refused == generation).for_each(|refused| *refused = later);
     }
 

@@ -692,4 +692,6 @@ fn a_forest_that_goes_on_under_another_number_is_still_refused() {
         |answer_cache: &AnswerCache, index, generation| answer_cache.wants(&all, index, &forest, by(generation));
     assert!(!wants(&answer_cache, 1, 1) && wants(&answer_cache, 2, 1));
     assert!(wants(&answer_cache, 1, 2));
+    answer_cache.refuse(RefusedForests { frames: vec![all.frames[2].id.clone()], generation: 0 });
+    assert!(!wants(&answer_cache, 2, 1), "refused by the number that it had before");
 }
