@@ -18,7 +18,7 @@ pub(super) struct Orders {
     pub(super) document: Option<Document>,
     /// Counts documents.
     pub(super) edition: u64,
-    /// Answers that the document has come to show since the orders were taken last.
+    /// Answers that the newest document has come to show since, and since the orders were taken last.
     pub(super) shown: Vec<AnswerKey>,
     /// Forests that were refused since then.
     pub(super) refused: Vec<RefusedForests>,
@@ -41,6 +41,8 @@ impl Orders {
         match order {
             TrainerOrder::Document(document) => {
                 self.edition += 1;
+                // The document shows them.
+                self.shown.clear();
                 return self.document.replace(*document);
             }
             TrainerOrder::Shown(keys) => self.shown.extend(keys),

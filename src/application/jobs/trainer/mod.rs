@@ -14,6 +14,7 @@
 mod answer_cache;
 mod backend;
 mod error;
+mod given_answers;
 mod kept_forest;
 mod mailbox;
 #[cfg(test)]

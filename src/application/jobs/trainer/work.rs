@@ -3,6 +3,7 @@
 use super::TrainerOptions;
 use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
+use super::given_answers::GivenAnswers;
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use super::windows::Windows;
@@ -47,6 +48,7 @@ pub(super) struct Work<C> {
     /// Until then proposals have their turn.
     turn_until: Instant,
     answer_cache: AnswerCache,
+    given_answers: GivenAnswers,
     windows: Windows,
     /// Frames between key frames that cameras have been carried to, as long as there are more.
     carried: usize,
@@ -105,6 +107,7 @@ impl<C: Backend> Work<C> {
             failed: None,
             turn_until: now,
             answer_cache: AnswerCache::default(),
+            given_answers: GivenAnswers::default(),
             windows: Windows::default(),
             carried: 0,
             queue: Queue::default(),
@@ -143,13 +146,6 @@ impl<C: Backend> Work<C> {
         for refused in orders.refused.drain(..) {
             self.answer_cache.refuse(refused);
         }
-        for key in orders.shown.drain(..) {
-            if key.is_carried {
-                self.windows.note_shown(&key.frame);
-            } else {
-                self.answer_cache.note_shown(&key);
-            }
-        }
         if self.orders.paused && !orders.paused {
             // Pausing and resuming is how the user retries.
             self.failed = None;
@@ -159,6 +155,7 @@ impl<C: Backend> Work<C> {
         {
             self.windows.look_at(document, self.backend.folder());
             self.document = self.windows.with_answers(document.clone());
+            self.given_answers.keep_fitting(&self.document);
             self.training_frames = TrainingFrames::of_solved(document);
             let training_set = TrainingSet::of(document, &self.training_frames.frames);
             if training_set != self.training_set {
@@ -171,6 +168,14 @@ impl<C: Backend> Work<C> {
             (self.status.references, self.status.training_frames, self.status.withheld) =
                 (*references, frames.len(), *withheld);
             self.count();
+        }
+        for key in orders.shown.drain(..) {
+            if key.is_carried {
+                self.windows.note_shown(&key.frame);
+            } else {
+                self.answer_cache.note_shown(&key);
+            }
+            self.given_answers.show(&key, &mut self.document);
         }
         if !orders.features {
             self.shown = None;
@@ -352,6 +357,7 @@ impl<C: Backend> Work<C> {
             // What is carried begins from what was just answered.
             if let Some(frame) = self.document.frames.by_id_mut(&proposal.frame).filter(|frame| frame.is_open()) {
                 proposal.record(frame);
+                self.given_answers.give(frame, asked.generation);
             }
         }
         self.gathered.extend(proposals);
@@ -395,6 +401,7 @@ impl<C: Backend> Work<C> {
             let is_key = |place: usize| window.keys.contains(&place);
             if let Some(place) = self.document.frames.position_of(&carried.frame).filter(|place| !is_key(*place)) {
                 carried.record(&mut self.document.frames[place]);
+                self.given_answers.give(&self.document.frames[place], self.generation);
             }
         }
         if !news.is_empty() {
