@@ -124,7 +124,8 @@ impl OpenProject {
         self.suggest(batch, &offers)
     }
 
-    /// Takes in cameras that were carried from what forests answered, the `newest` of them among these, in the same way.
+    /// Takes in cameras that were carried from what forests answered, the `newest` of them among
+    /// these, in the same way.
     pub(super) fn take_carried(&mut self, carried: &[CarriedProposal], newest: u64) -> Option<Edit> {
         let current = carried.iter().filter(|carried| carried.generation >= self.forest_generation);
         let offers: Vec<_> = current.map(CarriedProposal::offer).collect();
@@ -137,7 +138,8 @@ impl OpenProject {
         self.project.batch_of_finder(Finder::Forest { generation })
     }
 
-    /// Takes what was found for frames into a batch, to be journalled; none if nothing new is seen. It is no step of undo.
+    /// Takes what was found for frames into a batch, to be journalled; none if nothing new is seen.
+    /// It is no step of undo.
     pub(super) fn suggest(&mut self, batch: BatchId, offers: &[Offer]) -> Option<Edit> {
         let mut document = self.document.clone();
         let edit = self.project.suggest(&mut document, batch, offers)?;
@@ -146,7 +148,8 @@ impl OpenProject {
         Some(edit)
     }
 
-    /// Discards a batch of suggestions in the frames that nobody has touched since. It is no step of undo.
+    /// Discards a batch of suggestions in the frames that nobody has touched since. It is no step
+    /// of undo.
     pub(super) fn discard_batch(&mut self, batch: BatchId, newest_forest: u64) -> Discarded {
         let mut document = self.document.clone();
         let discarded = self.project.discard(&mut document, batch, newest_forest);

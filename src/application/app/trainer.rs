@@ -132,8 +132,8 @@ pub struct AnswerKey {
 /// A message to the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerOrder {
-    /// The document as it is now: references may be new, changed or withdrawn. What the trainer itself answered is told by
-    /// [`Self::Shown`] instead.
+    /// The document as it is now: references may be new, changed or withdrawn. What the trainer
+    /// itself answered is told by [`Self::Shown`] instead.
     Document(Box<Document>),
     /// The document shows these answers now, and is otherwise as the trainer has it.
     Shown(Vec<AnswerKey>),

@@ -1,14 +1,15 @@
 //! A project: what people did, and beside it what the program suggests.
 //!
-//! Both are the state. What a reader sees follows from them ([`Project::view`]): a frame that nobody
-//! has touched shows the topmost suggestion for it. The view is kept, so that a change works out only
-//! the frames that it concerns. A file holds the view, and so does the journal.
+//! Both are the state. What a reader sees follows from them ([`Project::view`]): a frame that
+//! nobody has touched shows the topmost suggestion for it. The view is kept, so that a change works
+//! out only the frames that it concerns. A file holds the view, and so does the journal.
 //!
-//! Everything that the program finds has one life, whatever found it. It comes as a batch. Accepting
-//! a suggestion is an edit like any other: it takes the answer into the frame. Discarding a batch
-//! takes its suggestions out of the frames that nobody has touched since; they show what was suggested
-//! before. Undo and redo go back and forth in what people did and in nothing else. When an acceptance
-//! is undone, the frame is untouched again and shows what is suggested for it by then.
+//! Everything that the program finds has one life, whatever found it. It comes as a batch.
+//! Accepting a suggestion is an edit like any other: it takes the answer into the frame. Discarding
+//! a batch takes its suggestions out of the frames that nobody has touched since; they show what
+//! was suggested before. Undo and redo go back and forth in what people did and in nothing else.
+//! When an acceptance is undone, the frame is untouched again and shows what is suggested for it by
+//! then.
 
 use super::suggestions::{Novelty, Suggestions, TakenOut};
 use super::{Asked, BatchId, Finder};
@@ -31,8 +32,8 @@ pub struct Offer {
 }
 
 impl Offer {
-    /// What `record` writes into the frame at a position; none where there is no such frame, a person decided on it, or nothing
-    /// was written that is a suggestion.
+    /// What `record` writes into the frame at a position; none where there is no such frame, a
+    /// person decided on it, or nothing was written that is a suggestion.
     pub fn from_recorded(document: &Document, position: usize, record: impl FnOnce(&mut Frame)) -> Option<Self> {
         let frame = document.frames.get(position).filter(|frame| frame.is_open())?;
         let asked = Asked::of(document, frame);
@@ -52,7 +53,8 @@ pub struct Discarded {
     pub emptied: usize,
     /// How many frames show again what was suggested before.
     pub given_back: usize,
-    /// Frames in which no forest up to a generation may answer again; none if no forest found the batch.
+    /// Frames in which no forest up to a generation may answer again; none if no forest found the
+    /// batch.
     pub refused: Option<RefusedForests>,
 }
 
@@ -121,8 +123,9 @@ impl Project {
         Document { frames, ..edited.clone() }
     }
 
-    /// Keeps the answers that are in frames now and not in another state of what people did: when an answer that was accepted or
-    /// corrected in an earlier session is undone, it is suggested again, unless it was discarded in this one.
+    /// Keeps the answers that are in frames now and not in another state of what people did: when
+    /// an answer that was accepted or corrected in an earlier session is undone, it is suggested
+    /// again, unless it was discarded in this one.
     pub fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::in_document(&self.edited);
         for position in edited.frames.changed_in_place(&self.edited.frames).unwrap_or_default() {
@@ -141,8 +144,8 @@ impl Project {
         }
     }
 
-    /// Frames that edits of [`Self::view`] left untouched and that do not show what is suggested for them: their positions, and
-    /// the frames that do.
+    /// Frames that edits of [`Self::view`] left untouched and that do not show what is suggested
+    /// for them: their positions, and the frames that do.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
         let lacks = |frame: &Frame| !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some();
@@ -151,8 +154,9 @@ impl Project {
         lacking.map(|position| (position, self.with_suggestion(&now.frames[position], &bases))).collect()
     }
 
-    /// Takes in what edits made of [`Self::view`], counts them in the frames' revisions and says what is to be journalled; none
-    /// if nothing changed. Suggestions that came with the edits are a batch; one that a frame goes on showing stays in its own.
+    /// Takes in what edits made of [`Self::view`], counts them in the frames' revisions and says
+    /// what is to be journalled; none if nothing changed. Suggestions that came with the edits are
+    /// a batch; one that a frame goes on showing stays in its own.
     pub fn take_in(&mut self, now: &mut Document, name: &str) -> Option<Edit> {
         now.count_edits_since(&self.view);
         let edit = Edit::between(&self.view, now, name);
@@ -187,8 +191,9 @@ impl Project {
         self.suggestions.batch_of_finder(finder)
     }
 
-    /// Takes what was found for frames into a batch and says what is to be journalled; none if a reader sees nothing new. `now` is
-    /// what edits that are under way have made of [`Self::view`]; it shows the answers too, except in frames that are being edited.
+    /// Takes what was found for frames into a batch and says what is to be journalled; none if a
+    /// reader sees nothing new. `now` is what edits that are under way have made of [`Self::view`];
+    /// it shows the answers too, except in frames that are being edited.
     pub fn suggest(&mut self, now: &mut Document, batch: BatchId, offers: &[Offer]) -> Option<Edit> {
         let mut changed = Vec::new();
         for Offer { id, asked, suggestion } in offers {
@@ -218,8 +223,9 @@ impl Project {
         self.suggestions.topmost_batch(&frame.id, base.as_ref()).filter(|_| frame.shows_suggestion())
     }
 
-    /// Discards a batch in the frames that nobody has touched since. If a forest found it, neither that forest nor one up to
-    /// `newest_forest` is listened to there again. `now` is as in [`Self::suggest`].
+    /// Discards a batch in the frames that nobody has touched since. If a forest found it, neither
+    /// that forest nor one up to `newest_forest` is listened to there again. `now` is as in
+    /// [`Self::suggest`].
     pub fn discard(&mut self, now: &mut Document, batch: BatchId, newest_forest: u64) -> Discarded {
         let is_open = |id: &FrameId| self.edited.frames.by_id(id).is_some_and(|frame| frame.is_untouched());
         let TakenOut { frames, refused } = self.suggestions.take_out(batch, newest_forest, is_open);
@@ -230,7 +236,8 @@ impl Project {
         Discarded { edit, emptied, given_back, refused }
     }
 
-    /// The view in which some frames show what is suggested for them now; so does `now`, except in frames that are being edited.
+    /// The view in which some frames show what is suggested for them now; so does `now`, except in
+    /// frames that are being edited.
     fn show_suggestions(&self, now: &mut Document, frames: &[FrameId]) -> Shown {
         let bases = Bases::in_document(&self.edited);
         let mut shown = Shown { view: self.view.clone(), emptied: 0, given: 0 };
@@ -255,22 +262,24 @@ impl Project {
         shown
     }
 
-    /// Goes on to another view of the same edits, and says what is to be journalled; none if it is the same view.
+    /// Goes on to another view of the same edits, and says what is to be journalled; none if it is
+    /// the same view.
     fn go_on_to(&mut self, view: Document, name: &str) -> Option<Edit> {
         let edit = Edit::between(&self.view, &view, name);
         self.view = view;
         Some(edit).filter(|edit| !edit.is_empty())
     }
 
-    /// The batch of what a frame of [`Self::view`] shows, if that is the same camera or the same want of one.
+    /// The batch of what a frame of [`Self::view`] shows, if that is the same camera or the same
+    /// want of one.
     fn batch_that_showed(&self, suggestion: &Suggestion, frame: &FrameId, bases: &Bases) -> Option<BatchId> {
         let known = self.view.frames.by_id(frame)?;
         let is_same = known.ptz == suggestion.ptz && known.solution == suggestion.solution;
         if is_same { self.suggestions.topmost_batch(frame, bases.of_frame(known).as_ref()) } else { None }
     }
 
-    /// The positions at which a later state, whose cameras have these bases, may differ from [`Self::view`], or at which
-    /// something else may be suggested.
+    /// The positions at which a later state, whose cameras have these bases, may differ from
+    /// [`Self::view`], or at which something else may be suggested.
     fn concerned_positions(&self, now: &Document, bases: &Bases) -> BTreeSet<usize> {
         let Some(changed) = now.frames.changed_in_place(&self.view.frames) else {
             return (0..now.frames.len()).collect();
@@ -305,7 +314,8 @@ struct Shown {
     given: usize,
 }
 
-/// What the program suggested for a frame that was accepted, rejected or corrected since, as far as the frame has kept it.
+/// What the program suggested for a frame that was accepted, rejected or corrected since, as far as
+/// the frame has kept it.
 fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     let mut frame = frame.clone();
     let is_whole = frame.restore_proposed() || frame.clicks.is_empty();

@@ -185,7 +185,8 @@ impl Proposal {
         Suggestion { revision: self.asked.revision, base: self.asked.base, ptz, solution: Some(solution) }
     }
 
-    /// The same as an offer to a project; none without a base: nothing was asked, and there is nothing to say about the frame.
+    /// The same as an offer to a project; none without a base: nothing was asked, and there is
+    /// nothing to say about the frame.
     #[must_use]
     pub fn offer(&self) -> Option<Offer> {
         let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));

@@ -1,15 +1,15 @@
 //! What the program suggests, by frame, in batches.
 //!
-//! A frame keeps a few suggestions, one above the other. Readers see the topmost that was made for the
-//! base that the frame's camera has now. Discarding a batch takes its suggestions out, and those
-//! beneath them are seen again.
+//! A frame keeps a few suggestions, one above the other. Readers see the topmost that was made for
+//! the base that the frame's camera has now. Discarding a batch takes its suggestions out, and
+//! those beneath them are seen again.
 
 use std::collections::BTreeMap;
 use touchline_core::camera::CameraBase;
 use touchline_documents::document::{FrameId, SolutionSource, Suggestion};
 
-/// Bases of a frame's camera for which suggestions are kept: when undo brings a base back, what was suggested
-/// for it holds again.
+/// Bases of a frame's camera for which suggestions are kept: when undo brings a base back, what was
+/// suggested for it holds again.
 pub(super) const KEPT_BASES: usize = 4;
 
 /// Suggestions of a frame that are kept for each base: the one that is seen and those beneath it.
@@ -53,7 +53,8 @@ pub(super) enum Novelty {
     New,
     /// It says the same.
     Same,
-    /// It was made for an earlier revision of the frame, or by a forest whose answers were discarded there.
+    /// It was made for an earlier revision of the frame, or by a forest whose answers were
+    /// discarded there.
     Stale,
 }
 
@@ -65,7 +66,8 @@ pub(super) struct Suggestions {
     finders: BTreeMap<BatchId, Finder>,
     /// The number of the last batch.
     last: u64,
-    /// Frames in which suggestions were discarded, and the newest forest that may not answer there again: 0 where any may.
+    /// Frames in which suggestions were discarded, and the newest forest that may not answer there
+    /// again: 0 where any may.
     discarded: BTreeMap<FrameId, u64>,
 }
 
@@ -148,11 +150,11 @@ impl Suggestions {
         }
     }
 
-    /// Puts a suggestion above what is known of a frame. It replaces what the same batch said for the same base, and a
-    /// forest's answer replaces that of an earlier forest.
+    /// Puts a suggestion above what is known of a frame. It replaces what the same batch said for
+    /// the same base, and a forest's answer replaces that of an earlier forest.
     ///
-    /// A forest's answer goes beneath a camera that a person had found otherwise: no forest is asked where there is one, so
-    /// that the answer was on its way.
+    /// A forest's answer goes beneath a camera that a person had found otherwise: no forest is
+    /// asked where there is one, so that the answer was on its way.
     pub fn put(&mut self, frame: &FrameId, batch: BatchId, suggestion: Suggestion) {
         let Self { by_frame, finders, .. } = self;
         let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
@@ -182,8 +184,8 @@ impl Suggestions {
         }
     }
 
-    /// Notes that what is suggested for a frame holds for the revision in which the frame shows it now. False where
-    /// something else is suggested.
+    /// Notes that what is suggested for a frame holds for the revision in which the frame shows it
+    /// now. False where something else is suggested.
     pub fn keep(&mut self, frame: &FrameId, shown: &Suggestion) -> bool {
         let Some(kept) = self.topmost_kept_mut(frame, shown.base.as_ref()) else { return false };
         let known = &mut kept.suggestion;
@@ -194,8 +196,8 @@ impl Suggestions {
         is_same
     }
 
-    /// Takes a batch out of the frames that `is_open` holds for. If a forest found the batch, neither that forest nor one
-    /// up to `newest_forest` is listened to there again.
+    /// Takes a batch out of the frames that `is_open` holds for. If a forest found the batch,
+    /// neither that forest nor one up to `newest_forest` is listened to there again.
     pub fn take_out(&mut self, batch: BatchId, newest_forest: u64, is_open: impl Fn(&FrameId) -> bool) -> TakenOut {
         let mut taken = TakenOut::default();
         for (frame, kept) in self.by_frame.iter_mut().filter(|(frame, _)| is_open(frame)) {

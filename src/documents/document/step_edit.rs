@@ -31,9 +31,10 @@ impl StepEdit {
 }
 
 impl History<Document> {
-    /// Takes an edit that led from `before` to `after`, both without suggestions, for what it is to undo and redo: what
-    /// the history did in which the edit was made. An edit that is not a step, or does not fit its step, ends the
-    /// history if it changed what people did: nothing before it can be undone.
+    /// Takes an edit that led from `before` to `after`, both without suggestions, for what it is to
+    /// undo and redo: what the history did in which the edit was made. An edit that is not a step,
+    /// or does not fit its step, ends the history if it changed what people did: nothing before it
+    /// can be undone.
     pub fn follow(&mut self, before: &Document, after: &Document, name: String, kind: EditKind) {
         let mut state = before.clone();
         let is_followed = match kind {

@@ -98,8 +98,9 @@ impl Document {
         edited
     }
 
-    /// [`Self::without_suggestions`] of a document that edits led to from `before`. `edited_before` is `before` without
-    /// suggestions: its frames are shared where people changed nothing, and frames that did not change are not looked at.
+    /// [`Self::without_suggestions`] of a document that edits led to from `before`. `edited_before`
+    /// is `before` without suggestions: its frames are shared where people changed nothing, and
+    /// frames that did not change are not looked at.
     #[must_use]
     pub fn without_suggestions_since(&self, before: &Self, edited_before: &Self) -> Self {
         let frames = if let Some(changed) = self.frames.changed_in_place(&before.frames) {

@@ -51,7 +51,8 @@ impl Replay {
         Ok(())
     }
 
-    /// Makes an edit in the document, and takes it for what it is to undo and redo. Nothing changes if it does not fit.
+    /// Makes an edit in the document, and takes it for what it is to undo and redo. Nothing changes
+    /// if it does not fit.
     fn make(&mut self, edit: Edit) -> Result<(), EditMismatch> {
         let (before, name, kind) = (self.document.clone(), edit.name.clone(), edit.kind.clone());
         edit.apply(&mut self.document)?;

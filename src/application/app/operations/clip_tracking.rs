@@ -247,7 +247,8 @@ impl App {
         let taken = tracking.still_open_in(&open.document, tracked);
         let count = taken.frames.len();
         let is_again = tracking.is_again();
-        // What a correction replaces was carried itself: discarding both gives back what stood before the first.
+        // What a correction replaces was carried itself: discarding both gives back what stood
+        // before the first.
         let batch = match self.operations.clip_tracking.carried.take().filter(|_| is_again) {
             Some(last) => last.batch,
             None => open.project.open_batch(Finder::Command { name: Command::Track.name().to_owned() }),

@@ -209,7 +209,8 @@ impl App {
         }
     }
 
-    /// Takes a camera that was found by the painted lines alone as a suggestion for its frame, which nobody has touched.
+    /// Takes a camera that was found by the painted lines alone as a suggestion for its frame,
+    /// which nobody has touched.
     fn suggest_camera_on_paint(&mut self, position: usize, CameraOnPaint { base, found }: &CameraOnPaint) {
         if self.refuses_changes() {
             return;

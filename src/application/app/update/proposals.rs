@@ -1,4 +1,5 @@
-//! Suggestions that come and go: the forest's proposals, which of them are outdated, and batches that are discarded.
+//! Suggestions that come and go: the forest's proposals, which of them are outdated, and batches
+//! that are discarded.
 
 use super::App;
 use crate::app::effect::Effect;
@@ -65,7 +66,8 @@ impl App {
         }
     }
 
-    /// Discards a batch of suggestions in the frames that nobody has touched since, and says what that changed.
+    /// Discards a batch of suggestions in the frames that nobody has touched since, and says what
+    /// that changed.
     pub(in crate::app) fn discard_batch(&mut self, batch: BatchId) {
         let newest_forest = self.newest_forest();
         let Some(open) = &mut self.open else { return };

@@ -49,8 +49,8 @@ impl App {
         version.is_some() && self.session.trainer.told_version == version
     }
 
-    /// Tells the trainer, which knew the document before, which of its answers the document shows now. They are all that
-    /// changed, so that it needs no other document.
+    /// Tells the trainer, which knew the document before, which of its answers the document shows
+    /// now. They are all that changed, so that it needs no other document.
     pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_carried: bool) {
         let key = |change: &Change| match change {
             Change::Frame { id, revision, .. } => {

@@ -12,7 +12,8 @@ pub(super) struct AnswerCache {
     entries: BTreeMap<FrameId, Entry>,
     /// Forests before this one were trained with something that was withdrawn since.
     trusted_from: u64,
-    /// Frames in which answers were discarded, and the newest forest that is not asked for them again.
+    /// Frames in which answers were discarded, and the newest forest that is not asked for them
+    /// again.
     refused: BTreeMap<FrameId, u64>,
     /// Forests that go on under a later number, and that number.
     renumbered: BTreeMap<u64, u64>,
@@ -129,7 +130,8 @@ impl AnswerCache {
         }
     }
 
-    /// The forest of a generation goes on under the number of a later one: where it was refused, it still is.
+    /// The forest of a generation goes on under the number of a later one: where it was refused, it
+    /// still is.
     pub(super) fn keep_refusing(&mut self, generation: u64, later: u64) {
         self.renumbered.insert(generation, later);
         self.refused.values_mut().filter(|refused| **refused == generation).for_each(|refused| *refused = later);

@@ -1,7 +1,7 @@
 //! Answers that were given, until the document is heard to show them.
 //!
-//! A document that was on its way while the trainer answered lacks those answers. Once it is heard that
-//! they are shown, they are put in from here: cameras are carried from them.
+//! A document that was on its way while the trainer answered lacks those answers. Once it is heard
+//! that they are shown, they are put in from here: cameras are carried from them.
 
 use crate::app::AnswerKey;
 use std::collections::BTreeMap;

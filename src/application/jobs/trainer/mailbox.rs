@@ -18,7 +18,8 @@ pub(super) struct Orders {
     pub(super) document: Option<Document>,
     /// Counts documents.
     pub(super) edition: u64,
-    /// Answers that the newest document has come to show since, and since the orders were taken last.
+    /// Answers that the newest document has come to show since, and since the orders were taken
+    /// last.
     pub(super) shown: Vec<AnswerKey>,
     /// Forests that were refused since then.
     pub(super) refused: Vec<RefusedForests>,
