@@ -81,6 +81,7 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::RefineBaseOnShot,
             Command::StopTracking,
             Command::DiscardCarried,
+            Command::DiscardBatch,
             Command::TakeLength,
         ],
     ),

@@ -65,7 +65,8 @@ pub use session::Question;
 pub use settings::{Settings, WindowPlace};
 pub use shown::Shown;
 pub use trainer::{
-    Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference, describe_left,
+    AnswerKey, Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference,
+    describe_left,
 };
 pub use update::MAX_SCALE;
 pub use versioned::Versioned;

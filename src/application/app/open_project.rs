@@ -7,7 +7,7 @@ use super::prepared::Prepared;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
-use touchline_calibration::proposals::{CarriedProposal, Layered, Offer, Proposal};
+use touchline_calibration::proposals::{BatchId, CarriedProposal, Discarded, Finder, Offer, Project, Proposal};
 use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{
@@ -31,8 +31,8 @@ pub struct OpenProject {
     pub revision: u64,
     /// The newest forest that has proposed anything.
     pub(super) forest_generation: u64,
-    /// The document as the journal has it, and in it what people did apart from what is suggested.
-    pub(super) journalled: Layered,
+    /// The document as the journal has it: what people did, and what is suggested beside it.
+    pub(super) project: Project,
     /// What follows from the document.
     pub(super) derived: Derived,
 }
@@ -69,10 +69,10 @@ impl OpenProject {
 
     /// The same, for a document that has been made ready.
     pub(super) fn of(prepared: Prepared, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
-        let Prepared { layers, derived } = prepared;
+        let Prepared { project, derived } = prepared;
         Self {
-            document: Versioned::new(layers.shown().clone()),
-            journalled: layers,
+            document: Versioned::new(project.view().clone()),
+            project,
             history: History::default(),
             folder,
             file,
@@ -98,17 +98,17 @@ impl OpenProject {
     /// What has changed since the last time this was asked, to be journalled; none if nothing has. `kind` is what it is to
     /// undo and redo.
     pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
-        for (position, frame) in self.journalled.not_shown_in(&self.document) {
+        for (position, frame) in self.project.not_shown_in(&self.document) {
             self.document.frames[position] = frame;
         }
-        let edit = self.journalled.settle(self.document.keeping_version(), name)?.of_kind(kind);
+        let edit = self.project.take_in(self.document.keeping_version(), name)?.of_kind(kind);
         self.revision += 1;
         Some(edit)
     }
 
     /// The document as the journal has it, with its history.
     pub(super) fn snapshot(&self) -> Snapshot {
-        let (document, history) = (self.journalled.shown().clone(), self.history.committed());
+        let (document, history) = (self.project.view().clone(), self.history.committed());
         Snapshot { document, history, revision: self.revision }
     }
 
@@ -119,21 +119,45 @@ impl OpenProject {
         self.forest_generation = self.forest_generation.max(newest);
         let is_current = |proposal: &&Proposal| proposal.generation == self.forest_generation;
         let current = proposals.iter().filter(is_current);
-        self.suggest(&current.filter_map(Proposal::offer).collect::<Vec<_>>())
+        let offers: Vec<_> = current.filter_map(Proposal::offer).collect();
+        let batch = self.batch_of_forest(self.forest_generation);
+        self.suggest(batch, &offers)
     }
 
-    /// Takes in cameras that were carried from what a forest answered, in the same way.
-    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) -> Option<Edit> {
+    /// Takes in cameras that were carried from what forests answered, the `newest` of them among
+    /// these, in the same way.
+    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal], newest: u64) -> Option<Edit> {
         let current = carried.iter().filter(|carried| carried.generation >= self.forest_generation);
-        self.suggest(&current.map(CarriedProposal::offer).collect::<Vec<_>>())
+        let offers: Vec<_> = current.map(CarriedProposal::offer).collect();
+        let batch = self.batch_of_forest(newest);
+        self.suggest(batch, &offers)
     }
 
-    fn suggest(&mut self, offers: &[Offer<'_>]) -> Option<Edit> {
+    /// The batch of a forest's answers and of the cameras that were carried from them.
+    fn batch_of_forest(&mut self, generation: u64) -> BatchId {
+        self.project.batch_of_finder(Finder::Forest { generation })
+    }
+
+    /// Takes what was found for frames into a batch, to be journalled; none if nothing new is seen.
+    /// It is no step of undo.
+    pub(super) fn suggest(&mut self, batch: BatchId, offers: &[Offer]) -> Option<Edit> {
         let mut document = self.document.clone();
-        let edit = self.journalled.suggest(&mut document, offers)?;
+        let edit = self.project.suggest(&mut document, batch, offers)?;
         *self.document = document;
         self.revision += 1;
         Some(edit)
+    }
+
+    /// Discards a batch of suggestions in the frames that nobody has touched since. It is no step
+    /// of undo.
+    pub(super) fn discard_batch(&mut self, batch: BatchId, newest_forest: u64) -> Discarded {
+        let mut document = self.document.clone();
+        let discarded = self.project.discard(&mut document, batch, newest_forest);
+        if discarded.edit.is_some() {
+            *self.document = document;
+            self.revision += 1;
+        }
+        discarded
     }
 
     /// The field that a frame shows, its parameters filled in.
@@ -218,31 +242,31 @@ impl OpenProject {
 
     /// Begins a step of undo.
     pub(super) fn begin(&mut self, step: Step) {
-        self.history.begin(&self.journalled.edited_of(&self.document), step);
+        self.history.begin(&self.project.edits_in(&self.document), step);
     }
 
     /// Begins the last step of undo again, if it is this one and none is open.
     pub(super) fn resume(&mut self, step: &Step) -> bool {
-        self.history.resume(&self.journalled.edited_of(&self.document), step)
+        self.history.resume(&self.project.edits_in(&self.document), step)
     }
 
     /// Closes the step of undo.
     pub(super) fn commit(&mut self) {
-        self.history.commit(&self.journalled.edited_of(&self.document));
+        self.history.commit(&self.project.edits_in(&self.document));
     }
 
     /// Gives the open step of undo up.
     pub(super) fn abort(&mut self) {
-        let mut edited = self.journalled.edited().clone();
+        let mut edited = self.project.edited().clone();
         if self.history.abort(&mut edited) {
-            *self.document = self.journalled.shown_of(&edited);
+            *self.document = self.project.view_with(&edited);
         }
     }
 
     /// Marks shots that were looked for when `num_below` steps could be undone. True where a person did or undid something since:
     /// then the step lies beneath that, and the history as a whole has changed.
     pub(super) fn mark_shots(&mut self, shots: VideoShots, step: Step, num_below: usize) -> bool {
-        let before = self.journalled.edited_of(&self.document);
+        let before = self.project.edits_in(&self.document);
         let goes_beneath = num_below < self.history.num_done() || self.history.next_redo().is_some();
         if !goes_beneath {
             self.history.begin(&before, step);
@@ -251,17 +275,17 @@ impl OpenProject {
             return false;
         }
         shots.write(&mut self.document);
-        let after = self.journalled.edited_of(&self.document);
+        let after = self.project.edits_in(&self.document);
         self.history.insert_shots(num_below, step, &before, &after);
         true
     }
 
     /// Takes the last step back, or does it again, and says which it was.
     pub(super) fn undo(&mut self, back: bool) -> Option<Step> {
-        let mut edited = self.journalled.edited_of(&self.document);
+        let mut edited = self.project.edits_in(&self.document);
         let step = if back { self.history.undo(&mut edited) } else { self.history.redo(&mut edited) }?;
-        self.journalled.keep_answers_not_in(&edited);
-        *self.document = self.journalled.shown_of(&edited);
+        self.project.keep_answers_not_in(&edited);
+        *self.document = self.project.view_with(&edited);
         Some(step)
     }
 }

@@ -2,14 +2,14 @@
 
 use super::Versioned;
 use super::derived::Derived;
-use touchline_calibration::proposals::Layered;
+use touchline_calibration::proposals::Project;
 use touchline_documents::document::Document;
 
 /// A document split into what people did and what is suggested, and what the window derives from all frames of it: with 100,000
 /// frames that takes a good part of a second.
 #[derive(Clone, Debug)]
 pub(super) struct Prepared {
-    pub(super) layers: Layered,
+    pub(super) project: Project,
     /// What follows from the document's first version.
     pub(super) derived: Derived,
 }
@@ -20,12 +20,12 @@ impl Prepared {
         let document = Versioned::new(document);
         derived.counts(&document);
         derived.lookup(&document);
-        Self { layers: Layered::of(document.clone()), derived }
+        Self { project: Project::from_document(document.clone()), derived }
     }
 
     /// The document as a reader sees it.
     pub(super) const fn document(&self) -> &Document {
-        self.layers.shown()
+        self.project.view()
     }
 }
 

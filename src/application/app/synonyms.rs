@@ -27,6 +27,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::Track | C::DiscardCarried | C::StopTracking | C::RefineBaseOnShot => {
             "propagate interpolate carry follow tracking"
         }
+        C::DiscardBatch => "remove delete proposals suggested reject all",
         C::FindCamera => "automatic zero clicks",
         C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => "refine lines paint register",
         C::Export => "save as format JSON CSV SoccerNet COCO",

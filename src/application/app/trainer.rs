@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 use touchline_calibration::proposals::{
-    CarriedProposal, Coverage, Proposal, Quality, Suspect, TrainingSampleError, UsedFeatures,
+    CarriedProposal, Coverage, Proposal, Quality, RefusedForests, Suspect, TrainingSampleError, UsedFeatures,
 };
 use touchline_core::progress::Share;
 use touchline_documents::document::{Document, FrameId};
@@ -108,11 +108,29 @@ pub struct ForestFacts {
     pub took: Option<Duration>,
 }
 
+/// An answer of the trainer, named by what was asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnswerKey {
+    /// The frame that was asked for.
+    pub frame: FrameId,
+    /// Its revision then.
+    pub revision: u64,
+    /// The forest that answered, or whose answers were carried to the frame.
+    pub generation: u64,
+    /// The camera was carried to the frame.
+    pub is_carried: bool,
+}
+
 /// A message to the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerOrder {
-    /// The document as it is now: references may be new, changed or withdrawn.
+    /// The document as it is now: references may be new, changed or withdrawn. What the trainer
+    /// itself answered is told by [`Self::Shown`] instead.
     Document(Box<Document>),
+    /// The document shows these answers now, and is otherwise as the trainer has it.
+    Shown(Vec<AnswerKey>),
+    /// Answers were discarded: forests that may not be asked again.
+    Refused(RefusedForests),
     /// The frame that is shown now: its neighbours come first.
     Frame(FrameId),
     /// The features of the shown frame are wanted, or not any more.

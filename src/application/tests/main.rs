@@ -22,6 +22,7 @@ mod seeded;
 
 mod app;
 mod around_the_field;
+mod batches_in_app;
 mod bulk_in_app;
 mod burnt_in_in_app;
 mod find_camera_in_app;

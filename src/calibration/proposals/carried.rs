@@ -19,24 +19,30 @@ pub struct CarriedProposal {
 impl CarriedProposal {
     /// Of a frame that a clip was tracked to; none where the document has no such frame or a person decided on it.
     pub fn of(document: &Document, clip: &TrackedClip, tracked: &TrackedFrame, generation: u64) -> Option<Self> {
-        let frame = document.frames.get(tracked.place)?;
-        let asked = Asked::of(document, frame);
-        let mut with = Some(&**frame).filter(|frame| frame.is_open())?.clone();
-        record_tracked_frame(&mut with, clip, tracked);
-        let suggestion = Suggestion::in_frame(&with, asked.base.as_ref())?;
-        Some(Self { frame: frame.id.clone(), asked, generation, suggestion })
+        let Offer { id, asked, suggestion } = offer_tracked(document, clip, tracked)?;
+        Some(Self { frame: id, asked, generation, suggestion })
     }
 
-    /// The same for the layer of suggestions.
+    /// The same as an offer to a project.
     #[must_use]
-    pub fn offer(&self) -> Offer<'_> {
-        Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion.clone() }
+    pub fn offer(&self) -> Offer {
+        Offer { id: self.frame.clone(), asked: self.asked.clone(), suggestion: self.suggestion.clone() }
     }
 
     /// Writes the camera into its frame, as a file has it.
     pub fn record(&self, frame: &mut Frame) {
         self.suggestion.show_in(frame);
     }
+}
+
+/// The cameras that a clip was tracked with, as offers for the frames that nobody has decided on.
+#[must_use]
+pub fn offer_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<Offer> {
+    clip.frames.iter().filter_map(|tracked| offer_tracked(document, clip, tracked)).collect()
+}
+
+fn offer_tracked(document: &Document, clip: &TrackedClip, tracked: &TrackedFrame) -> Option<Offer> {
+    Offer::from_recorded(document, tracked.place, |frame| record_tracked_frame(frame, clip, tracked))
 }
 
 #[cfg(any(test, feature = "testing"))]

@@ -6,7 +6,7 @@
 //! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
 //! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
-//! | `Layered` | what the forest suggests, beside what people did; a document as a reader sees it |
+//! | [`Project`] | what the program suggests, in batches beside what people did; both as a reader sees them |
 //! | [`LineEvidence`] | what the painted lines say about an answer |
 //! | `AskingOrder` | which frames the forest is asked for first |
 //! | `KeyWindow`, [`CarriedProposal`] | key frames of a video; the cameras carried from them to the frames between |
@@ -32,12 +32,12 @@ mod find_burnt_in;
 mod key_frames;
 mod label;
 mod label_needs;
-mod layer;
 mod learning;
 mod line_evidence;
 mod needing_frames;
 mod order;
 mod picture;
+mod project;
 mod proposal;
 mod proposing;
 mod quality;
@@ -54,22 +54,23 @@ pub use advice::{LabelAdvice, LabelNext, label_advice};
 pub use asked::Asked;
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
-pub use carried::CarriedProposal;
+pub use carried::{CarriedProposal, offer_tracked_clip};
 pub use coverage::{Coverage, CoverageCell};
 pub use expected_wrong::ExpectedWrong;
 pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
 pub use key_frames::KeyWindow;
 pub use label_needs::{LabelNeeds, is_uncertain};
-pub use layer::{Layered, Offer};
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_evidence::LineEvidence;
 pub use order::AskingOrder;
 pub use picture::{FramePicture, PictureError, PictureStream, read_picture};
+pub use project::{Discarded, Offer, Project, RefusedForests};
 pub use proposal::{Answer, NoProposal, Proposal, Timings};
 pub use proposing::propose;
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
+pub use suggestions::{BatchId, Finder};
 pub use suspects::{Suspect, find_suspects};
 pub use training_frames::TrainingFrames;
 pub use training_sample::TrainingSample;

@@ -185,11 +185,12 @@ impl Proposal {
         Suggestion { revision: self.asked.revision, base: self.asked.base, ptz, solution: Some(solution) }
     }
 
-    /// The same for the layer of suggestions; none without a base: nothing was asked, and there is nothing to say about the frame.
+    /// The same as an offer to a project; none without a base: nothing was asked, and there is
+    /// nothing to say about the frame.
     #[must_use]
-    pub fn offer(&self) -> Option<Offer<'_>> {
+    pub fn offer(&self) -> Option<Offer> {
         let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
-        is_answer.then(|| Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion() })
+        is_answer.then(|| Offer { id: self.frame.clone(), asked: self.asked.clone(), suggestion: self.suggestion() })
     }
 
     /// Writes the answer into its frame, as a file has it.

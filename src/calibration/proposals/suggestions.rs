@@ -1,54 +1,250 @@
-//! What the program suggests, by frame.
+//! What the program suggests, by frame, in batches.
+//!
+//! A frame keeps a few suggestions, one above the other. Readers see the topmost that was made for
+//! the base that the frame's camera has now. Discarding a batch takes its suggestions out, and
+//! those beneath them are seen again.
 
 use std::collections::BTreeMap;
 use touchline_core::camera::CameraBase;
-use touchline_documents::document::{FrameId, Suggestion};
+use touchline_documents::document::{FrameId, SolutionSource, Suggestion};
 
-/// Answers that are kept of a frame, each for another base of its camera: when undo brings a base back, what was suggested
-/// for it holds again.
+/// Bases of a frame's camera for which suggestions are kept: when undo brings a base back, what was
+/// suggested for it holds again.
 pub(super) const KEPT_BASES: usize = 4;
 
+/// Suggestions of a frame that are kept for each base: the one that is seen and those beneath it.
+pub(super) const KEPT_SUGGESTIONS: usize = 4;
+
+/// Names a batch of suggestions while its document is open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BatchId(u64);
+
+/// What found a batch of suggestions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finder {
+    /// An earlier session: the document had them when it was opened.
+    Earlier {
+        /// What they came from then.
+        source: Option<SolutionSource>,
+    },
+    /// The trainer's forest, with the cameras that were carried from what it answered.
+    Forest {
+        /// Which forest: later ones have greater numbers.
+        generation: u64,
+    },
+    /// Something that a person asked for: "Carry cameras through the shot".
+    Command {
+        /// Its name.
+        name: String,
+    },
+}
+
+impl Finder {
+    /// Whether the trainer's forest gave these answers, in this session or in an earlier one.
+    const fn is_forest(&self) -> bool {
+        matches!(self, Self::Forest { .. } | Self::Earlier { source: Some(SolutionSource::Forest) })
+    }
+}
+
+/// How an answer stands to what is known of its frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Novelty {
+    /// It says something else.
+    New,
+    /// It says the same.
+    Same,
+    /// It was made for an earlier revision of the frame, or by a forest whose answers were
+    /// discarded there.
+    Stale,
+}
+
 /// What the program suggests, by frame.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Suggestions {
-    /// Of each frame the newest last.
-    by_frame: BTreeMap<FrameId, Vec<Suggestion>>,
+    /// Of each frame the topmost last.
+    by_frame: BTreeMap<FrameId, Vec<KeptSuggestion>>,
+    finders: BTreeMap<BatchId, Finder>,
+    /// The number of the last batch.
+    last: u64,
+    /// Frames in which suggestions were discarded, and the newest forest that may not answer there
+    /// again: 0 where any may.
+    discarded: BTreeMap<FrameId, u64>,
+}
+
+/// A suggestion in its batch.
+#[derive(Clone, Debug)]
+struct KeptSuggestion {
+    batch: BatchId,
+    suggestion: Suggestion,
+}
+
+impl KeptSuggestion {
+    /// Whether it is a camera that a person asked for and that no forest gave.
+    fn is_found_without_forest(&self, finder: Option<&Finder>) -> bool {
+        let source = self.suggestion.solution.as_ref().and_then(|solution| solution.source);
+        let is_by_command = matches!(finder, Some(Finder::Command { .. }));
+        is_by_command && self.suggestion.ptz.is_some() && source != Some(SolutionSource::Forest)
+    }
+}
+
+/// The frames that a batch was taken out of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct TakenOut {
+    pub frames: Vec<FrameId>,
+    /// The newest forest that may not answer there again; none where no forest found the batch.
+    pub refused: Option<u64>,
 }
 
 impl Suggestions {
+    /// Opens a new batch.
+    pub fn open_batch(&mut self, finder: Finder) -> BatchId {
+        self.last += 1;
+        let batch = BatchId(self.last);
+        self.finders.insert(batch, finder);
+        batch
+    }
+
+    /// The batch of a finder that keeps answering: a new one if it has none.
+    pub fn batch_of_finder(&mut self, finder: Finder) -> BatchId {
+        let known = self.finders.iter().rev().find(|(_, known)| **known == finder);
+        let known = known.map(|(batch, _)| *batch);
+        known.unwrap_or_else(|| self.open_batch(finder))
+    }
+
+    /// What found a batch.
+    pub fn finder(&self, batch: BatchId) -> Option<&Finder> {
+        self.finders.get(&batch)
+    }
+
     /// What is suggested for a frame while its camera has this base.
-    pub fn of(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
-        self.by_frame.get(frame)?.iter().find(|suggestion| suggestion.base.as_ref() == base)
+    pub fn topmost(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
+        self.topmost_kept(frame, base).map(|kept| &kept.suggestion)
     }
 
-    /// Whether a suggestion says something that is not known: not where it was made for an earlier revision of the frame than the
-    /// one that is there, or says the same.
-    pub(super) fn is_news(&self, frame: &FrameId, suggestion: &Suggestion) -> bool {
-        let known = self.of(frame, suggestion.base.as_ref());
-        known.is_none_or(|known| suggestion.revision >= known.revision && !says_the_same(suggestion, known))
+    /// The batch of [`Self::topmost`].
+    pub fn topmost_batch(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<BatchId> {
+        self.topmost_kept(frame, base).map(|kept| kept.batch)
     }
 
-    /// Puts a suggestion in place of an earlier one for the same base.
-    pub(super) fn put(&mut self, frame: &FrameId, suggestion: Suggestion) {
-        let kept = self.by_frame.entry(frame.clone()).or_default();
-        kept.retain(|known| known.base != suggestion.base);
-        kept.push(suggestion);
-        if kept.len() > KEPT_BASES {
-            kept.remove(0);
+    fn topmost_kept(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&KeptSuggestion> {
+        let is_for_base = |kept: &&KeptSuggestion| kept.suggestion.base.as_ref() == base;
+        self.by_frame.get(frame)?.iter().rev().find(is_for_base)
+    }
+
+    fn topmost_kept_mut(&mut self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&mut KeptSuggestion> {
+        let is_for_base = |kept: &&mut KeptSuggestion| kept.suggestion.base.as_ref() == base;
+        self.by_frame.get_mut(frame)?.iter_mut().rev().find(is_for_base)
+    }
+
+    /// How an answer for a batch stands to what is known.
+    pub fn novelty(&self, frame: &FrameId, batch: BatchId, suggestion: &Suggestion) -> Novelty {
+        if let Some(Finder::Forest { generation }) = self.finder(batch)
+            && self.discarded.get(frame).is_some_and(|refused| generation <= refused)
+        {
+            return Novelty::Stale;
+        }
+        match self.topmost(frame, suggestion.base.as_ref()) {
+            Some(known) if suggestion.revision < known.revision => Novelty::Stale,
+            Some(known) if says_the_same(suggestion, known) => Novelty::Same,
+            _ => Novelty::New,
         }
     }
 
-    /// Forgets what is suggested for a frame while its camera has this base.
-    pub fn forget(&mut self, frame: &FrameId, base: Option<&CameraBase>) {
-        if let Some(kept) = self.by_frame.get_mut(frame) {
-            kept.retain(|known| known.base.as_ref() != base);
+    /// Puts a suggestion above what is known of a frame. It replaces what the same batch said for
+    /// the same base, and a forest's answer replaces that of an earlier forest.
+    ///
+    /// A forest's answer goes beneath a camera that a person had found otherwise: no forest is
+    /// asked where there is one, so that the answer was on its way.
+    pub fn put(&mut self, frame: &FrameId, batch: BatchId, suggestion: Suggestion) {
+        let Self { by_frame, finders, .. } = self;
+        let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
+        let is_for_same_base = |known: &KeptSuggestion| known.suggestion.base == suggestion.base;
+        let is_replaced = |known: &KeptSuggestion| {
+            is_for_same_base(known) && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
+        };
+        let stays_above = |known: &KeptSuggestion| {
+            is_for_same_base(known) && is_forest(batch) && known.is_found_without_forest(finders.get(&known.batch))
+        };
+        let kept = by_frame.entry(frame.clone()).or_default();
+        kept.retain(|known| !is_replaced(known));
+        let at = kept.iter().position(stays_above).unwrap_or(kept.len());
+        kept.insert(at, KeptSuggestion { batch, suggestion });
+        forget_oldest(kept);
+    }
+
+    /// Moves a forest's answer to the batch of a later forest that has said the same.
+    pub fn move_to_batch(&mut self, frame: &FrameId, base: Option<&CameraBase>, batch: BatchId) {
+        let is_forest = |batch| self.finder(batch).is_some_and(Finder::is_forest);
+        let Some(known) = self.topmost_batch(frame, base) else { return };
+        if is_forest(batch)
+            && is_forest(known)
+            && let Some(kept) = self.topmost_kept_mut(frame, base)
+        {
+            kept.batch = batch;
         }
+    }
+
+    /// Notes that what is suggested for a frame holds for the revision in which the frame shows it
+    /// now. False where something else is suggested.
+    pub fn keep(&mut self, frame: &FrameId, shown: &Suggestion) -> bool {
+        let Some(kept) = self.topmost_kept_mut(frame, shown.base.as_ref()) else { return false };
+        let known = &mut kept.suggestion;
+        let is_same = known.ptz == shown.ptz && known.solution == shown.solution;
+        if is_same {
+            known.revision = shown.revision;
+        }
+        is_same
+    }
+
+    /// Takes a batch out of the frames that `is_open` holds for. If a forest found the batch,
+    /// neither that forest nor one up to `newest_forest` is listened to there again.
+    pub fn take_out(&mut self, batch: BatchId, newest_forest: u64, is_open: impl Fn(&FrameId) -> bool) -> TakenOut {
+        let mut taken = TakenOut::default();
+        for (frame, kept) in self.by_frame.iter_mut().filter(|(frame, _)| is_open(frame)) {
+            let count = kept.len();
+            kept.retain(|kept| kept.batch != batch);
+            if kept.len() < count {
+                taken.frames.push(frame.clone());
+            }
+        }
+        taken.refused = match self.finders.get(&batch) {
+            Some(Finder::Forest { generation }) => Some(newest_forest.max(*generation)),
+            Some(finder) if finder.is_forest() => Some(newest_forest),
+            _ => None,
+        };
+        for frame in &taken.frames {
+            let newest = self.discarded.entry(frame.clone()).or_default();
+            *newest = taken.refused.unwrap_or(0).max(*newest);
+        }
+        taken
+    }
+
+    /// Whether anything that was suggested for a frame has been discarded.
+    pub fn has_discarded(&self, frame: &FrameId) -> bool {
+        self.discarded.contains_key(frame)
     }
 
     /// The frames that anything is suggested for, or was when their cameras had other bases.
-    pub(super) fn frames(&self) -> impl Iterator<Item = &FrameId> {
+    pub fn frames(&self) -> impl Iterator<Item = &FrameId> {
         self.by_frame.keys()
     }
+}
+
+/// Forgets all but the topmost suggestions for each of the bases that were answered for last.
+fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
+    let mut bases: Vec<Option<CameraBase>> = Vec::new();
+    let mut left = Vec::with_capacity(kept.len());
+    for topmost in kept.drain(..).rev() {
+        let base = topmost.suggestion.base;
+        if !bases.contains(&base) {
+            bases.push(base);
+        }
+        let for_base = left.iter().filter(|kept: &&KeptSuggestion| kept.suggestion.base == base).count();
+        if bases.len() <= KEPT_BASES && for_base < KEPT_SUGGESTIONS {
+            left.push(topmost);
+        }
+    }
+    kept.extend(left.into_iter().rev());
 }
 
 /// Whether two say the same; of two without an answer the reasons are compared, and not how long it took to find none.

@@ -1,6 +1,6 @@
 //! The document that two versions started from, where one of them may come from an earlier state than the other.
 
-use super::{Document, Frame, FrameId, Shared, SplitDocument};
+use super::{Document, Frame, FrameId, Shared};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What people had done in the last state that a session and another program's version can both have started from, frame by frame
@@ -16,8 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// | no earlier than what was opened, by its revision | what was opened |
 /// | earlier than what was opened | none: whatever differs is named, and ours stays |
 pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Document) -> Document {
-    let [opened, written, theirs] =
-        [opened, written, theirs].map(|document| SplitDocument::of(document.clone()).into_edited());
+    let [opened, written, theirs] = [opened, written, theirs].map(Document::without_suggestions);
     let mut base = opened.clone();
     base.frames = common_frames(&opened, &written, &theirs).into_iter().collect();
     if theirs.field == written.field {

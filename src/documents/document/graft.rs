@@ -5,14 +5,14 @@
 //! although the edits say otherwise, is named.
 
 use super::merge::show_suggestions;
-use super::{Camera, Change, Document, Edit, Frame, Merged, OldChange, Shared, SplitDocument};
+use super::{Camera, Change, Document, Edit, Frame, Merged, OldChange, Shared};
 use std::collections::BTreeMap;
 
 /// Puts the frames that edits hold into a document that the edits do not start from. What the edits removed cannot be known and
 /// stays; frames for which they only suggest something, and changes of cameras and field, are not taken.
 #[must_use]
 pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
-    let mut document = SplitDocument::of(onto.clone()).into_edited();
+    let mut document = onto.without_suggestions();
     let mut conflicts = add_new_cameras(edits, &mut document);
     for held in last_frames(edits) {
         let frame = held.without_suggestion();

@@ -3,7 +3,7 @@
 //! Only what people did is joined. What the program suggests is taken out first and laid on the result, in frames that nobody has
 //! touched: a proposal never competes with a label.
 
-use super::{Camera, Document, Frame, FrameId, Shared, SplitDocument, Suggestion};
+use super::{Camera, Document, Frame, FrameId, Shared, Suggestion};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,8 +20,7 @@ pub struct Merged {
 /// what it follows with us.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
-    let [base, our_edits, their_edits] =
-        [base, ours, theirs].map(|document| SplitDocument::of(document.clone()).into_edited());
+    let [base, our_edits, their_edits] = [base, ours, theirs].map(Document::without_suggestions);
     let mut merged = merge_edits(&base, &our_edits, &their_edits);
     show_suggestions(&mut merged.document, [ours, theirs]);
     merged

@@ -121,7 +121,6 @@ mod shared;
 mod shot;
 mod shots;
 mod solution;
-mod split_document;
 mod step_edit;
 mod suggestion;
 mod unanswered;
@@ -167,7 +166,6 @@ pub use shots::shots;
 pub use solution::{
     BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning, TimingsMs,
 };
-pub use split_document::SplitDocument;
 pub use step_edit::{StepEdit, StepMisfit};
 pub use suggestion::Suggestion;
 pub use video_shots::{ShotsError, VideoShots};

@@ -1,7 +1,7 @@
 //! The history of a document as edits: what each edit of a journal is to it, and what of it is kept beside a saved document.
 
 use super::edit::apply_all;
-use super::{Change, Document, Edit, EditKind, EditMismatch, History, SplitDocument, Step, Undoable as _};
+use super::{Change, Document, Edit, EditKind, EditMismatch, History, Step, Undoable as _};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -31,30 +31,22 @@ impl StepEdit {
 }
 
 impl History<Document> {
-    /// Makes an edit of `document` and takes it for what it is to undo and redo, as the history did in which it was made.
-    /// An edit of what people did that is not a step, or does not fit its step, ends the history: nothing before it can be undone.
-    /// Suggestions are not part of it.
-    ///
-    /// # Errors
-    /// The edit does not fit; document and history are as they were.
-    pub fn follow(&mut self, document: &mut SplitDocument, edit: Edit) -> Result<(), EditMismatch> {
-        let Edit { name, kind, changes } = edit;
-        let mut shown = document.shown().clone();
-        apply_all(changes, &mut shown)?;
-        let before = document.edited().clone();
-        document.go_on_to(shown);
-        let after = document.edited();
+    /// Takes an edit that led from `before` to `after`, both without suggestions, for what it is to
+    /// undo and redo: what the history did in which the edit was made. An edit that is not a step,
+    /// or does not fit its step, ends the history if it changed what people did: nothing before it
+    /// can be undone.
+    pub fn follow(&mut self, before: &Document, after: &Document, name: String, kind: EditKind) {
         let mut state = before.clone();
         let is_followed = match kind {
             EditKind::NoStep => before.is_same_state(after),
             EditKind::Step { frame } => {
-                self.begin(&before, Step { name, frame });
+                self.begin(before, Step { name, frame });
                 self.commit(after);
                 true
             }
             EditKind::Continued => {
                 let last = self.next_undo().cloned();
-                let resumed = last.is_some_and(|step| self.resume(&before, &step));
+                let resumed = last.is_some_and(|step| self.resume(before, &step));
                 self.commit(after);
                 resumed
             }
@@ -64,7 +56,6 @@ impl History<Document> {
         if !is_followed {
             self.clear();
         }
-        Ok(())
     }
 
     /// What undo would make of `document`, which is the current one: the last step first, each from the document after it to

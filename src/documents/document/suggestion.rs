@@ -1,7 +1,7 @@
 //! What the program suggests for a frame that nobody has decided on. In a file it stands in the frame; a program that edits
 //! the document takes it out, so that undo and redo leave it alone.
 
-use super::{Document, Frame, FramePtz, FrameStatus, Solution};
+use super::{Document, Frame, FramePtz, FrameStatus, Shared, Solution};
 use touchline_core::camera::CameraBase;
 
 /// A camera that the program suggests for a frame, or why it has none.
@@ -85,10 +85,51 @@ impl Frame {
     }
 }
 
+impl Document {
+    /// The document as people left it: no frame shows a suggestion.
+    #[must_use]
+    pub fn without_suggestions(&self) -> Self {
+        let mut edited = self.clone();
+        for (position, frame) in self.frames.iter().enumerate() {
+            if frame.shows_suggestion() {
+                edited.frames[position] = frame.without_suggestion().into();
+            }
+        }
+        edited
+    }
+
+    /// [`Self::without_suggestions`] of a document that edits led to from `before`. `edited_before`
+    /// is `before` without suggestions: its frames are shared where people changed nothing, and
+    /// frames that did not change are not looked at.
+    #[must_use]
+    pub fn without_suggestions_since(&self, before: &Self, edited_before: &Self) -> Self {
+        let frames = if let Some(changed) = self.frames.changed_in_place(&before.frames) {
+            let mut frames = edited_before.frames.clone();
+            for position in changed {
+                frames[position] = share_without_suggestion(&self.frames[position], Some(&frames[position]));
+            }
+            frames
+        } else {
+            let known = |frame: &Frame| edited_before.frames.by_id(&frame.id);
+            self.frames.iter().map(|frame| share_without_suggestion(frame, known(frame))).collect()
+        };
+        Self { frames, ..self.clone() }
+    }
+}
+
+/// The frame as people left it; the known handle if that holds the same.
+fn share_without_suggestion(frame: &Shared<Frame>, known: Option<&Shared<Frame>>) -> Shared<Frame> {
+    if !frame.shows_suggestion() {
+        return frame.clone();
+    }
+    let without = frame.without_suggestion();
+    known.filter(|known| ***known == without).cloned().unwrap_or_else(|| without.into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, SolutionSource};
+    use crate::document::{Click, FieldSpec, SolutionSource};
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
@@ -114,6 +155,36 @@ mod tests {
             suggestion.show_in(&mut without);
             assert_eq!(without, frame);
         }
+    }
+
+    fn suggest(frame: &mut Frame, pan_deg: f64) {
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+        frame.status = FrameStatus::Suggested;
+    }
+
+    #[test]
+    fn the_document_without_suggestions_changes_with_the_edits_of_people_alone() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
+        document.frames.extend(["a", "b", "c"].map(frame));
+        let untouched = document.clone();
+        suggest(&mut document.frames[1], 1.0);
+        let (before, edited_before) = (document.clone(), document.without_suggestions());
+        assert_eq!(edited_before, untouched);
+
+        suggest(&mut document.frames[1], 2.0);
+        suggest(&mut document.frames[2], 3.0);
+        let edited = document.without_suggestions_since(&before, &edited_before);
+        assert_eq!(edited, untouched);
+        let handles = edited.frames.iter().zip(&edited_before.frames);
+        assert!(handles.take(2).all(|(now, before)| now.is_same(before)));
+
+        let (before, edited_before) = (document.clone(), edited);
+        document.frames[1].status = FrameStatus::Reference;
+        document.frames.remove(0);
+        let edited = document.without_suggestions_since(&before, &edited_before);
+        assert_eq!(edited.frames[0], document.frames[0]);
+        assert_eq!(edited, document.without_suggestions());
     }
 
     #[test]

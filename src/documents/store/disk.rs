@@ -309,8 +309,7 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
             }
         }
     }
-    let Replay { document, history, edits, left_out } = replay;
-    let document = document.shown().clone();
+    let Replay { document, history, edits, left_out, .. } = replay;
     (recovery.edits, recovery.history) = (edits, left_out);
     Ok(Contents { document, history, written, hash, recovery, whole_bytes, damage })
 }

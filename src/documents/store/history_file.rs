@@ -11,7 +11,7 @@ use super::atomic::write_atomically;
 use super::calls;
 use super::journal::DocumentHash;
 use super::lines::{first_line, line, line_within};
-use crate::document::{Document, History, SplitDocument, StepEdit, StepMisfit};
+use crate::document::{Document, History, StepEdit, StepMisfit};
 use serde::{Deserialize, Serialize};
 use std::fs::OpenOptions;
 use std::io::{self, Read as _};
@@ -180,9 +180,9 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
 
 fn bytes(hash: &DocumentHash, document: &Document, history: &History<Document>) -> io::Result<Vec<u8>> {
     // Undo goes back and forth in what people did, without what is suggested.
-    let split = SplitDocument::of(document.clone());
-    let (undo_lines, undo) = lines(history.undo_edits(split.edited()).map(Record::Undo))?;
-    let (redo_lines, redo) = lines(history.redo_edits(split.edited()).map(Record::Redo))?;
+    let edited = document.without_suggestions();
+    let (undo_lines, undo) = lines(history.undo_edits(&edited).map(Record::Undo))?;
+    let (redo_lines, redo) = lines(history.redo_edits(&edited).map(Record::Redo))?;
     let header = Header { version: VERSION, document_sha256: hash.clone(), undo, redo };
     let mut bytes = line(&Record::History(header))?.into_bytes();
     bytes.extend(undo_lines);

@@ -7,7 +7,7 @@
 use super::atomic::{file_name, with_suffix, write_atomically, write_new_as};
 use super::journal::{DocumentHash, hash_of};
 use super::{Location, Orphan, OrphanEdits, StoreError};
-use crate::document::{Change, Document, Edit, Frames, SplitDocument, document_from_bytes, document_to_string};
+use crate::document::{Change, Document, Edit, Frames, document_from_bytes, document_to_string};
 use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_core::files::read_regular;
@@ -115,7 +115,7 @@ fn without_frames(own: &Document) -> Document {
 
 /// What people changed between the base and a version, for people; what is suggested is left out.
 fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
-    let [base, own] = [base, own].map(|document| SplitDocument::of(document.clone()).into_edited());
+    let [base, own] = [base, own].map(Document::without_suggestions);
     let mut names = Vec::new();
     for change in &Edit::between(&base, &own, "").changes {
         match change {

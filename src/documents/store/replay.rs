@@ -2,11 +2,13 @@
 
 use super::history_file::{HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, PendingEdits};
-use crate::document::{Document, EditMismatch, History, SplitDocument};
+use crate::document::{Document, Edit, EditMismatch, History};
 
 /// A document on its way through its journal.
 pub(super) struct Replay {
-    pub document: SplitDocument,
+    pub document: Document,
+    /// The same without suggestions: undo goes back and forth in it.
+    edited: Document,
     pub history: History<Document>,
     /// The names of the edits that were made.
     pub edits: Vec<String>,
@@ -17,7 +19,8 @@ pub(super) struct Replay {
 impl Replay {
     /// A document as its file has it.
     pub fn new(document: Document) -> Self {
-        Self { document: SplitDocument::of(document), history: History::default(), edits: Vec::new(), left_out: None }
+        let edited = document.without_suggestions();
+        Self { document, edited, history: History::default(), edits: Vec::new(), left_out: None }
     }
 
     /// Makes the edits that a document of this hash lacks, with the steps of earlier sessions where the document is reached
@@ -41,16 +44,27 @@ impl Replay {
         for (made, edit) in edits.into_iter().enumerate() {
             self.take_steps(steps(made));
             let name = edit.name.clone();
-            self.history.follow(&mut self.document, edit).map_err(|misfit| (name.clone(), misfit))?;
+            self.make(edit).map_err(|misfit| (name.clone(), misfit))?;
             self.edits.push(name);
         }
         self.take_steps(steps(count));
         Ok(())
     }
 
+    /// Makes an edit in the document, and takes it for what it is to undo and redo. Nothing changes
+    /// if it does not fit.
+    fn make(&mut self, edit: Edit) -> Result<(), EditMismatch> {
+        let (before, name, kind) = (self.document.clone(), edit.name.clone(), edit.kind.clone());
+        edit.apply(&mut self.document)?;
+        let edited = self.document.without_suggestions_since(&before, &self.edited);
+        self.history.follow(&self.edited, &edited, name, kind);
+        self.edited = edited;
+        Ok(())
+    }
+
     fn take_steps(&mut self, file: Option<&HistoryFile>) {
         if let Some(file) = file {
-            (self.history, self.left_out) = file.history(self.document.edited());
+            (self.history, self.left_out) = file.history(&self.edited);
         }
     }
 }

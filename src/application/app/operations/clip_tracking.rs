@@ -12,7 +12,7 @@ use touchline_calibration::calibrate::{
     BulkChange, ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
     clip_of_frame, length_on_lines, record_tracked, take_length, track_clip,
 };
-use touchline_calibration::proposals::read_picture;
+use touchline_calibration::proposals::{BatchId, Finder, offer_tracked_clip, read_picture};
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_documents::document::{Camera, Document, Frame, Step};
 use touchline_vision::media::ReadFrames;
@@ -73,8 +73,8 @@ pub(in crate::app) struct ClipTrackingState {
 struct LastCarried {
     /// What the pictures of their shot say.
     evidence: Arc<ClipEvidence>,
-    /// Their frames as they were before.
-    before: Vec<Frame>,
+    /// Their batch of suggestions.
+    batch: BatchId,
     /// The length of the field that their painted lines ask for and that nobody has stated.
     length: Option<LengthOnLines>,
 }
@@ -233,9 +233,12 @@ impl App {
         self.start(ClipTracking { document, folder, frame: self.session.frame, field, evidence, cause });
     }
 
-    /// Takes over what was carried: one step of undo.
+    /// Takes over what was carried: suggestions, and no step of undo.
     fn take_carried_clip(&mut self, tracking: &ClipTracking, CarriedClip { tracked, evidence, length }: CarriedClip) {
-        let Some(open) = &self.open else { return };
+        if self.refuses_changes() {
+            return;
+        }
+        let Some(open) = &mut self.open else { return };
         let base_now = open.document.camera(&tracking.document.frames[tracking.frame].camera).and_then(Camera::base);
         if base_now.as_ref() != Some(&tracked.base) {
             self.session.notify(Level::Info, "The base changed in the meantime; the carried cameras were discarded.");
@@ -244,21 +247,15 @@ impl App {
         let taken = tracking.still_open_in(&open.document, tracked);
         let count = taken.frames.len();
         let is_again = tracking.is_again();
-        // What a correction replaces was carried itself: what stood before that is what can be had back.
-        let replaced = |of: &TrackedFrame| open.document.frames.get(of.place).map(|frame| Frame::clone(frame));
-        let before = match self.operations.clip_tracking.carried.take().filter(|_| is_again) {
-            Some(last) => last.before,
-            None => taken.frames.iter().filter_map(replaced).collect(),
+        // What a correction replaces was carried itself: discarding both gives back what stood
+        // before the first.
+        let batch = match self.operations.clip_tracking.carried.take().filter(|_| is_again) {
+            Some(last) => last.batch,
+            None => open.project.open_batch(Finder::Command { name: Command::Track.name().to_owned() }),
         };
-        self.operations.clip_tracking.carried = Some(LastCarried { evidence, before, length: None });
-        if count > 0 {
-            if !self.begin_step(Step::on_document("Carry cameras through the shot")) {
-                return;
-            }
-            if let Some(open) = &mut self.open {
-                record_tracked(&mut open.document, &taken);
-            }
-            self.commit();
+        self.operations.clip_tracking.carried = Some(LastCarried { evidence, batch, length: None });
+        if let Some(edit) = open.suggest(batch, &offer_tracked_clip(&open.document, &taken)) {
+            self.journal_edit(edit);
         }
         self.session.retract(Command::DiscardCarried);
         let mut offers = vec![("Review", Command::ReviewPanel), ("Discard", Command::DiscardCarried)];
@@ -316,27 +313,18 @@ impl App {
 
     /// Gives the frames that cameras were carried to what they showed before, where nobody has changed them since.
     fn discard_carried(&mut self) {
-        let Some(LastCarried { before, .. }) = self.operations.clip_tracking.carried.take() else { return };
-        self.session.retract(Command::DiscardCarried);
-        if !self.begin_step(Step::on_document("Discard the carried cameras")) {
-            return;
+        self.commit_open_step();
+        if let Some(batch) = self.operations.clip_tracking.carried.as_ref().map(|carried| carried.batch) {
+            self.discard_batch(batch);
         }
-        let mut discarded = 0;
-        for before in before {
-            let Some(open) = &mut self.open else { break };
-            let Some(frame) = open.document.frames.by_id_mut(&before.id) else { continue };
-            if frame.is_open() && frame.is_carried() {
-                open.journalled.forget(frame);
-                (frame.status, frame.ptz, frame.solution) = (before.status, before.ptz, before.solution);
-                discarded += 1;
-            }
+    }
+
+    /// Forgets the cameras that were carried last if they are this batch, which was discarded.
+    pub(in crate::app) fn forget_carried_batch(&mut self, batch: BatchId) {
+        let carried = &mut self.operations.clip_tracking.carried;
+        if carried.take_if(|carried| carried.batch == batch).is_some() {
+            self.session.retract(Command::DiscardCarried);
         }
-        self.commit();
-        let text = match discarded {
-            1 => "1 frame was restored.".to_owned(),
-            many => format!("{many} frames were restored."),
-        };
-        self.session.notify(Level::Info, text);
     }
 }
 
@@ -420,7 +408,9 @@ mod tests {
         document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
         let mut app = App::new(Settings::default());
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        let carried = LastCarried { evidence: Arc::default(), before: Vec::new(), length: None };
+        let finder = Finder::Command { name: Command::Track.name().to_owned() };
+        let batch = app.open.as_mut().unwrap().project.open_batch(finder);
+        let carried = LastCarried { evidence: Arc::default(), batch, length: None };
         app.operations.clip_tracking.carried = Some(carried);
         app
     }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{OnPaintError, camera_on_paint, record_found_by_paint, record_snapped};
-use touchline_calibration::proposals::{PictureError, read_picture};
+use touchline_calibration::proposals::{Finder, Offer, PictureError, read_picture};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, Shared};
@@ -168,7 +168,7 @@ impl App {
         self.start(FrameSnap { document, folder, frame, field, from_scratch });
     }
 
-    /// Takes over a camera on the painted lines: one step of undo. A frame that has changed since keeps its camera.
+    /// Takes over a camera on the painted lines. A frame that has changed since keeps its camera.
     fn take_camera_on_paint(&mut self, asked: &FrameSnap, found: &CameraOnPaint) {
         let position = self.open.as_ref().and_then(|open| {
             let position = open.document.frames.position_of(&asked.frame.id)?;
@@ -178,6 +178,10 @@ impl App {
             self.session.notify(Level::Info, "The frame changed in the meantime and was not snapped.");
             return;
         };
+        if asked.from_scratch && asked.frame.is_open() {
+            self.suggest_camera_on_paint(position, found);
+            return;
+        }
         let before = self.open.as_ref().and_then(|open| open.document.pointed(&asked.frame));
         let step = if asked.from_scratch { "Search the painted lines" } else { "Snap to the painted lines" };
         if !self.begin_step(self.step_at(step, position)) {
@@ -186,7 +190,7 @@ impl App {
         if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
             let record = if asked.from_scratch { record_found_by_paint } else { record_snapped };
             record(frame, &found.base, &found.found);
-            if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested && !asked.from_scratch {
+            if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested {
                 // A suggestion is no step of undo, and what a person asked for is.
                 frame.status = FrameStatus::Draft;
             }
@@ -203,6 +207,24 @@ impl App {
                 format!("Found from {samples} points on painted lines. Check it before you accept."),
             );
         }
+    }
+
+    /// Takes a camera that was found by the painted lines alone as a suggestion for its frame,
+    /// which nobody has touched.
+    fn suggest_camera_on_paint(&mut self, position: usize, CameraOnPaint { base, found }: &CameraOnPaint) {
+        if self.refuses_changes() {
+            return;
+        }
+        let Some(open) = &mut self.open else { return };
+        let record = |frame: &mut Frame| record_found_by_paint(frame, base, found);
+        let Some(offer) = Offer::from_recorded(&open.document, position, record) else { return };
+        let batch = open.project.open_batch(Finder::Command { name: Command::SearchLines.name().to_owned() });
+        if let Some(edit) = open.suggest(batch, &[offer]) {
+            self.journal_edit(edit);
+        }
+        let samples = found.samples;
+        let text = format!("Suggested from {samples} points on painted lines. Check it before you accept it.");
+        self.session.notify(Level::Info, text);
     }
 
     /// The shown frame's camera before it was aligned to the paint, where it is and that is known.

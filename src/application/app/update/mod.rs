@@ -214,7 +214,7 @@ impl App {
     }
 
     /// Passes an edit to the journal that the open document has taken in.
-    fn journal_edit(&mut self, edit: Edit) {
+    pub(in crate::app) fn journal_edit(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
         self.effects.push(Effect::Journal { edit: Box::new(edit), to: Box::new(open.snapshot()) });
         if !matches!(self.session.disk.saving, Saving::Failed { .. }) {

@@ -2,7 +2,8 @@
 
 use super::App;
 use crate::app::effect::Effect;
-use crate::app::trainer::{TrainerOrder, TrainerState, TrainerStatus};
+use crate::app::trainer::{AnswerKey, TrainerOrder, TrainerState, TrainerStatus};
+use touchline_documents::document::{Change, Edit};
 
 impl App {
     /// Why there is no trainer for what is open; none if there is one.
@@ -40,6 +41,26 @@ impl App {
             trainer.told_version = version;
             self.effects.push(Effect::Trainer(TrainerOrder::Document(Box::new((*open.document).clone()))));
         }
+    }
+
+    /// Whether the trainer has been told of the document as it is now.
+    pub(super) fn trainer_knows_document(&self) -> bool {
+        let version = self.open.as_ref().map(|open| open.document.version());
+        version.is_some() && self.session.trainer.told_version == version
+    }
+
+    /// Tells the trainer, which knew the document before, which of its answers the document shows
+    /// now. They are all that changed, so that it needs no other document.
+    pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_carried: bool) {
+        let key = |change: &Change| match change {
+            Change::Frame { id, revision, .. } => {
+                Some(AnswerKey { frame: id.clone(), revision: *revision, generation, is_carried })
+            }
+            _ => None,
+        };
+        let shown = edit.changes.iter().filter_map(key).collect();
+        self.session.trainer.told_version = self.open.as_ref().map(|open| open.document.version());
+        self.effects.push(Effect::Trainer(TrainerOrder::Shown(shown)));
     }
 
     pub(super) fn trainer_reported(&mut self, status: TrainerStatus) {

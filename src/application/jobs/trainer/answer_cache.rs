@@ -1,7 +1,8 @@
 //! The forest's answers so far, so that no frame is asked for twice without a reason.
 
+use crate::app::AnswerKey;
 use std::collections::BTreeMap;
-use touchline_calibration::proposals::{Asked, NoProposal, Proposal};
+use touchline_calibration::proposals::{Asked, NoProposal, Proposal, RefusedForests};
 use touchline_documents::document::{Document, Frame, FrameId, SolutionSource};
 use touchline_vision::relocalize::{CERTAIN, ForestModel};
 
@@ -11,6 +12,11 @@ pub(super) struct AnswerCache {
     entries: BTreeMap<FrameId, Entry>,
     /// Forests before this one were trained with something that was withdrawn since.
     trusted_from: u64,
+    /// Frames in which answers were discarded, and the newest forest that is not asked for them
+    /// again.
+    refused: BTreeMap<FrameId, u64>,
+    /// Forests that go on under a later number, and that number.
+    renumbered: BTreeMap<u64, u64>,
 }
 
 /// How a frame is asked for.
@@ -74,6 +80,9 @@ impl AnswerCache {
     /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same way.
     pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, asking: Asking) -> bool {
         let Some(frame) = document.frames.get(index) else { return false };
+        if self.is_refused(&frame.id, asking.generation) {
+            return false;
+        }
         if !frame.is_open() || frame.is_answered_without_forest() || model.camera(frame.camera.as_str()).is_none() {
             return false;
         }
@@ -99,6 +108,38 @@ impl AnswerCache {
         let asked = proposal.asked.clone();
         let entry = Entry { asked, by, answer, recorded: false };
         self.entries.insert(proposal.frame.clone(), entry);
+    }
+
+    /// The document shows an answer.
+    pub(super) fn note_shown(&mut self, key: &AnswerKey) {
+        let is_it = |entry: &&mut Entry| entry.asked.revision == key.revision && entry.by.generation == key.generation;
+        if let Some(entry) = self.entries.get_mut(&key.frame).filter(is_it) {
+            entry.recorded = true;
+        }
+    }
+
+    /// Forests that are not asked for some frames again.
+    pub(super) fn refuse(&mut self, RefusedForests { frames, mut generation }: RefusedForests) {
+        // Whoever refused it may not have heard of its later number.
+        while let Some(later) = self.renumbered.get(&generation) {
+            generation = *later;
+        }
+        for frame in frames {
+            let newest = self.refused.entry(frame).or_default();
+            *newest = generation.max(*newest);
+        }
+    }
+
+    /// The forest of a generation goes on under the number of a later one: where it was refused, it
+    /// still is.
+    pub(super) fn keep_refusing(&mut self, generation: u64, later: u64) {
+        self.renumbered.insert(generation, later);
+        self.refused.values_mut().filter(|refused| **refused == generation).for_each(|refused| *refused = later);
+    }
+
+    /// Whether a forest is not to answer for a frame, because what it answered was discarded.
+    pub(super) fn is_refused(&self, frame: &FrameId, generation: u64) -> bool {
+        self.refused.get(frame).is_some_and(|newest| generation <= *newest)
     }
 
     /// Answers of forests before this one are no longer reliable.

@@ -1,11 +1,11 @@
 //! What the trainer is to do, and how it reports.
 
 use super::TrainerReport;
-use crate::app::{Doing, TrainerOrder, TrainerStatus};
+use crate::app::{AnswerKey, Doing, TrainerOrder, TrainerStatus};
 use crate::jobs::worker::Mailbox;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use touchline_calibration::proposals::{CarriedProposal, Proposal, UsedFeatures};
+use touchline_calibration::proposals::{CarriedProposal, Proposal, RefusedForests, UsedFeatures};
 use touchline_documents::document::{Document, FrameId};
 
 /// The shortest time between two progress reports.
@@ -18,6 +18,11 @@ pub(super) struct Orders {
     pub(super) document: Option<Document>,
     /// Counts documents.
     pub(super) edition: u64,
+    /// Answers that the newest document has come to show since, and since the orders were taken
+    /// last.
+    pub(super) shown: Vec<AnswerKey>,
+    /// Forests that were refused since then.
+    pub(super) refused: Vec<RefusedForests>,
     /// The frame that is shown.
     pub(super) frame: Option<FrameId>,
     /// The features of the shown frame are wanted.
@@ -37,14 +42,24 @@ impl Orders {
         match order {
             TrainerOrder::Document(document) => {
                 self.edition += 1;
+                // The document shows them.
+                self.shown.clear();
                 return self.document.replace(*document);
             }
+            TrainerOrder::Shown(keys) => self.shown.extend(keys),
+            TrainerOrder::Refused(refused) => self.refused.push(refused),
             TrainerOrder::Frame(frame) => self.frame = Some(frame),
             TrainerOrder::Features(wanted) => self.features = wanted,
             TrainerOrder::Pause(paused) => self.paused = paused,
             TrainerOrder::Snap(snapping) => self.snapping = snapping,
         }
         None
+    }
+
+    /// The current orders. What came since they were taken last is handed out once.
+    fn take(&mut self) -> Self {
+        let (shown, refused) = (std::mem::take(&mut self.shown), std::mem::take(&mut self.refused));
+        Self { shown, refused, ..self.clone() }
     }
 }
 
@@ -78,6 +93,11 @@ impl TrainerMailbox {
     /// Looks at the newest orders; none when it is time to end.
     pub(super) fn peek<T>(&self, look: impl FnOnce(&Orders) -> T) -> Option<T> {
         (!self.mailbox.is_closing()).then(|| self.mailbox.look(look))
+    }
+
+    /// Takes the newest orders; none when it is time to end.
+    pub(super) fn take_orders(&self) -> Option<Orders> {
+        (!self.mailbox.is_closing()).then(|| self.mailbox.update(|state| state.orders.take()))
     }
 
     /// Waits for an order after that of a number, but not beyond a time.

@@ -1,9 +1,14 @@
 //! The trainer: a forest is trained on the accepted references and proposes cameras for all other frames.
 //!
-//! Its owner passes the current document, which is cheap: only the newest one waits, so that a burst of references is one
-//! change. A thread then decides what has to be done: train, ask the forest for frames, measure its accuracy. Added references
-//! let a running training finish; a changed or withdrawn one stops it. After each training at least as much time is spent on
-//! proposals, so that somebody who accepts without a pause sees them.
+//! Its owner passes the document after what people did, which is cheap: only the newest one waits,
+//! so that a burst of references is one change. Of its own answers the trainer hears by their keys
+//! which ones the document shows, and which were discarded: the same forest is not asked for those
+//! again.
+//!
+//! A thread then decides what has to be done: train, ask the forest for frames, measure its
+//! accuracy. Added references let a running training finish; a changed or withdrawn one stops it.
+//! After each training at least as much time is spent on proposals, so that somebody who accepts
+//! without a pause sees them.
 //!
 //! The work runs on threads of its own, one fewer than the machine has: the window keeps one. What causes a panic is
 //! reported and not tried again until something changes.
@@ -11,6 +16,7 @@
 mod answer_cache;
 mod backend;
 mod error;
+mod given_answers;
 mod kept_forest;
 mod mailbox;
 #[cfg(test)]

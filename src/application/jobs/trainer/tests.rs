@@ -5,7 +5,7 @@ use super::backend::{Backend, Learnt, Measured};
 use super::error::TrainerError;
 use super::kept_forest::KeptForestError;
 use super::{Trainer, TrainerOptions, TrainerReport};
-use crate::app::{Doing, TrainerOrder, TrainerStatus};
+use crate::app::{AnswerKey, Doing, TrainerOrder, TrainerStatus};
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -14,8 +14,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use touchline_calibration::pipelines::LearnForestError;
 use touchline_calibration::proposals::{
-    Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings,
-    TrainingSet, UsedFeatures,
+    Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal, Quality, RefusedForests,
+    Suspect, Timings, TrainingSet, UsedFeatures,
 };
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, Vec3};
@@ -648,4 +648,49 @@ fn frames_whose_answer_the_document_lost_are_asked_again() {
     // With the base everything that was taught is another.
     answer_cache.trust_from(2);
     assert!(answer_cache.wants(&moved, 2, &forest, by(2)), "an answer for another base is none");
+}
+
+#[test]
+fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
+    let mut controller = Controller::start(0.6);
+    let mut all = document(2, 2);
+    let refused = |generation| RefusedForests { frames: vec![document(2, 2).frames[2].id.clone()], generation };
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
+    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    let key = |proposal: &Proposal| AnswerKey {
+        frame: proposal.frame.clone(),
+        revision: proposal.asked.revision,
+        generation: proposal.generation,
+        is_carried: false,
+    };
+    controller.tell(TrainerOrder::Shown(controller.proposals.iter().map(key).collect()));
+    controller.tell(TrainerOrder::Refused(refused(1)));
+    // The document has lost both answers, and only one of them was discarded.
+    controller.document(&all);
+    controller.expect(&Begun::Propose(vec![3]), Let::Well);
+    controller.until_idle();
+    controller.nothing_begun();
+
+    // A forest that has learnt more is asked.
+    all.frames.push(document(3, 0).frames[2].clone());
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 1, 4]), Let::Well);
+    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
+}
+
+#[test]
+fn a_forest_that_goes_on_under_another_number_is_still_refused() {
+    let (all, forest, mut answer_cache) = (document(1, 2), model(), AnswerCache::default());
+    answer_cache.refuse(RefusedForests { frames: vec![all.frames[1].id.clone()], generation: 0 });
+    answer_cache.keep_refusing(0, 1);
+    let wants =
+        |answer_cache: &AnswerCache, index, generation| answer_cache.wants(&all, index, &forest, by(generation));
+    assert!(!wants(&answer_cache, 1, 1) && wants(&answer_cache, 2, 1));
+    assert!(wants(&answer_cache, 1, 2));
+    answer_cache.refuse(RefusedForests { frames: vec![all.frames[2].id.clone()], generation: 0 });
+    assert!(!wants(&answer_cache, 2, 1), "refused by the number that it had before");
 }

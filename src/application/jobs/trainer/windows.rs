@@ -88,6 +88,13 @@ impl Windows {
         self.given.contains_key(frame)
     }
 
+    /// The document shows the camera that was carried to a frame.
+    pub(super) fn note_shown(&mut self, frame: &FrameId) {
+        if let Some(is_shown) = self.given.get_mut(frame) {
+            *is_shown = true;
+        }
+    }
+
     /// How many frames lie in windows through which cameras are to be carried, where the forest is wanted for some frames.
     pub(super) fn waiting(&self, document: &Document, wanted: impl Fn(usize) -> bool) -> usize {
         let due = self.all.iter().filter(|window| self.is_due(window, document, &wanted));

@@ -3,6 +3,7 @@
 use super::TrainerOptions;
 use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
+use super::given_answers::GivenAnswers;
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use super::windows::Windows;
@@ -13,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
-    AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
+    AskingOrder, CarriedProposal, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
 };
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, FieldSpec, FrameId};
@@ -48,6 +49,7 @@ pub(super) struct Work<C> {
     /// Until then proposals have their turn.
     turn_until: Instant,
     answer_cache: AnswerCache,
+    given_answers: GivenAnswers,
     windows: Windows,
     /// Frames between key frames that cameras have been carried to, as long as there are more.
     carried: usize,
@@ -106,6 +108,7 @@ impl<C: Backend> Work<C> {
             failed: None,
             turn_until: now,
             answer_cache: AnswerCache::default(),
+            given_answers: GivenAnswers::default(),
             windows: Windows::default(),
             carried: 0,
             queue: Queue::default(),
@@ -119,7 +122,7 @@ impl<C: Backend> Work<C> {
 
     /// Works until it is stopped.
     pub(super) fn run(mut self) {
-        while let Some(orders) = self.mailbox.peek(Orders::clone) {
+        while let Some(orders) = self.mailbox.take_orders() {
             self.take_in(orders);
             let step = self.next();
             if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
@@ -140,7 +143,10 @@ impl<C: Backend> Work<C> {
         }
     }
 
-    fn take_in(&mut self, orders: Orders) {
+    fn take_in(&mut self, mut orders: Orders) {
+        for refused in orders.refused.drain(..) {
+            self.answer_cache.refuse(refused);
+        }
         if self.orders.paused && !orders.paused {
             // Pausing and resuming is how the user retries.
             self.failed = None;
@@ -150,6 +156,7 @@ impl<C: Backend> Work<C> {
         {
             self.windows.look_at(document, self.backend.folder());
             self.document = self.windows.with_answers(document.clone());
+            self.given_answers.keep_fitting(&self.document);
             self.training_frames = TrainingFrames::of_solved(document);
             let training_set = TrainingSet::of(document, &self.training_frames.frames);
             if training_set != self.training_set {
@@ -162,6 +169,14 @@ impl<C: Backend> Work<C> {
             (self.status.references, self.status.training_frames, self.status.withheld) =
                 (*references, frames.len(), *withheld);
             self.count();
+        }
+        for key in orders.shown.drain(..) {
+            if key.is_carried {
+                self.windows.note_shown(&key.frame);
+            } else {
+                self.answer_cache.note_shown(&key);
+            }
+            self.given_answers.show(&key, &mut self.document);
         }
         if !orders.features {
             self.shown = None;
@@ -254,6 +269,8 @@ impl<C: Backend> Work<C> {
         match self.backend.recall(&self.training_set) {
             Ok(Some(model)) => {
                 let facts = ForestFacts { references: self.training_frames.frames.len(), ..facts(&model) };
+                // It answered in an earlier session.
+                self.answer_cache.keep_refusing(self.generation, self.generation + 1);
                 self.take_forest(model, self.training_set.clone(), facts);
             }
             Ok(None) => {}
@@ -343,6 +360,7 @@ impl<C: Backend> Work<C> {
             // What is carried begins from what was just answered.
             if let Some(frame) = self.document.frames.by_id_mut(&proposal.frame).filter(|frame| frame.is_open()) {
                 proposal.record(frame);
+                self.given_answers.give(frame, asked.generation);
             }
         }
         self.gathered.extend(proposals);
@@ -379,11 +397,14 @@ impl<C: Backend> Work<C> {
             }
         };
         self.carried += window.between.len();
+        let is_refused = |carried: &CarriedProposal| self.answer_cache.is_refused(&carried.frame, self.generation);
+        let carried = carried.into_iter().filter(|carried| !is_refused(carried)).collect();
         let news = self.windows.enter(window, &self.document, carried);
         for carried in &news {
             let is_key = |place: usize| window.keys.contains(&place);
             if let Some(place) = self.document.frames.position_of(&carried.frame).filter(|place| !is_key(*place)) {
                 carried.record(&mut self.document.frames[place]);
+                self.given_answers.give(&self.document.frames[place], self.generation);
             }
         }
         if !news.is_empty() {
@@ -455,6 +476,7 @@ impl<C: Backend> Work<C> {
         let mut model = (*forest.model).clone();
         quality.bound(&self.document, &mut model);
         let (training_set, facts) = (forest.training_set.clone(), *facts);
+        self.answer_cache.keep_refusing(self.generation, self.generation + 1);
         self.take_forest(model, training_set, facts);
     }
 

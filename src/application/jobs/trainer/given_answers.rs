@@ -1,0 +1,103 @@
+//! Answers that were given, until the document is heard to show them.
+//!
+//! A document that was on its way while the trainer answered lacks those answers. Once it is heard
+//! that they are shown, they are put in from here: cameras are carried from them.
+
+use crate::app::AnswerKey;
+use std::collections::BTreeMap;
+use touchline_documents::document::{Document, Frame, FrameId, Shared};
+
+/// Answers by frame, of each frame the last.
+#[derive(Debug, Default)]
+pub(super) struct GivenAnswers(BTreeMap<FrameId, GivenAnswer>);
+
+#[derive(Debug)]
+struct GivenAnswer {
+    generation: u64,
+    /// The frame with the answer.
+    answered: Shared<Frame>,
+}
+
+impl GivenAnswers {
+    /// A forest of this generation answered for a frame, or its answers were carried there.
+    pub(super) fn give(&mut self, answered: &Shared<Frame>, generation: u64) {
+        let given = GivenAnswer { generation, answered: answered.clone() };
+        self.0.insert(answered.id.clone(), given);
+    }
+
+    /// Forgets the answers for frames that a document no longer has as they were.
+    pub(super) fn keep_fitting(&mut self, document: &Document) {
+        self.0.retain(|id, given| document.frames.by_id(id).is_some_and(|frame| given.fits(frame)));
+    }
+
+    /// Has a document show an answer that it is known to show.
+    pub(super) fn show(&mut self, key: &AnswerKey, document: &mut Document) {
+        let is_meant =
+            |given: &GivenAnswer| given.generation == key.generation && given.answered.is_carried() == key.is_carried;
+        if !self.0.get(&key.frame).is_some_and(is_meant) {
+            return;
+        }
+        let (given, position) = (self.0.remove(&key.frame), document.frames.position_of(&key.frame));
+        if let Some((given, position)) = given.zip(position)
+            && given.fits(&document.frames[position])
+        {
+            document.frames[position] = given.answered;
+        }
+    }
+}
+
+impl GivenAnswer {
+    /// Whether a frame is the one that was answered, and nobody has decided on it.
+    fn fits(&self, frame: &Frame) -> bool {
+        frame.is_open() && frame.revision == self.answered.revision
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_calibration::proposals::{Answer, CarriedProposal};
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, FrameStatus};
+
+    fn document() -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
+        document.frames.extend(["a.jpg", "b.jpg"].map(frame));
+        document
+    }
+
+    fn key(document: &Document, position: usize, generation: u64, is_carried: bool) -> AnswerKey {
+        let frame = &document.frames[position];
+        AnswerKey { frame: frame.id.clone(), revision: frame.revision, generation, is_carried }
+    }
+
+    #[test]
+    fn a_document_that_was_on_its_way_shows_the_answers_that_it_is_known_to_show() {
+        let (on_its_way, mut answered, mut given) = (document(), document(), GivenAnswers::default());
+        answered.frames[0].ptz = Some(Answer::at_pan(1.0, 0.9).ptz);
+        answered.frames[0].status = FrameStatus::Suggested;
+        CarriedProposal::at_pan(&document(), 1, 2.0, 3).record(&mut answered.frames[1]);
+        for frame in &answered.frames {
+            given.give(frame, 3);
+        }
+        let mut now = on_its_way.clone();
+        given.keep_fitting(&now);
+        given.show(&key(&now, 0, 2, false), &mut now);
+        given.show(&key(&now, 1, 3, false), &mut now);
+        assert_eq!(now, on_its_way, "other answers");
+        given.show(&key(&now, 0, 3, false), &mut now);
+        given.show(&key(&now, 1, 3, true), &mut now);
+        assert_eq!(now, answered);
+    }
+
+    #[test]
+    fn an_answer_for_a_frame_that_was_edited_since_is_not_shown() {
+        let (mut now, mut given) = (document(), GivenAnswers::default());
+        given.give(&now.frames[0], 1);
+        now.frames[0].revision += 1;
+        let edited = now.clone();
+        given.show(&key(&now, 0, 1, false), &mut now);
+        assert_eq!(now, edited);
+    }
+}
