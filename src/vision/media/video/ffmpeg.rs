@@ -281,7 +281,7 @@ impl Stream {
     /// # Errors
     /// It finds no video in the file.
     fn probe(path: &Path) -> Result<Self, MediaError> {
-        let entries = "stream=width,height,avg_frame_rate,r_frame_rate,nb_frames,start_pts,start_time,time_base,\
+        let entries = "stream=codec_name,width,height,avg_frame_rate,r_frame_rate,nb_frames,start_pts,start_time,time_base,\
                        sample_aspect_ratio,duration:stream_side_data=rotation:format=duration,start_time";
         let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
         let mut command = probe_command(entries);
@@ -291,6 +291,8 @@ impl Stream {
 
     fn described_in(properties: &Properties) -> Option<Self> {
         let stream = |name: &str| properties.of_stream(name);
+        // A codec that has no name has no decoder.
+        stream("codec_name").filter(|&name| name != "unknown")?;
         let [width, height] = ["width", "height"].map(|name| stream(name)?.parse::<u32>().ok().filter(|&px| px > 0));
         let stored = ImageSize::new(width?, height?);
         // ffprobe counts counterclockwise.

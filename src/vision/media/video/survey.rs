@@ -132,7 +132,7 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
         let (stated, decoded) = (info.stated_frames, info.decoded_frames);
         info.notices.push(Notice::FramesStated { path: path.clone(), stated, decoded });
     }
-    if matches!(info.clock, FrameClock::Listed(_)) {
+    if is_uneven(info) {
         info.notices.push(Notice::UnevenFrameTimes { path: path.clone(), fps: info.fps });
     }
     if info.interlaced {
@@ -141,6 +141,14 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
     if (aspect - 1.0).abs() > 1e-3 {
         info.notices.push(Notice::PixelsNotSquare { path, aspect });
     }
+}
+
+/// Whether frames come at an uneven rate. Where frames are missing and the others lie on the rate, their number says it all.
+fn is_uneven(info: &VideoInfo) -> bool {
+    let FrameClock::Listed(times_s) = &info.clock else { return false };
+    let frames_off = |time_s: &f64| (time_s - times_s[0]) * info.fps;
+    let is_on_rate = |time_s: &f64| (frames_off(time_s) - frames_off(time_s).round()).abs() <= ROUNDED_S * info.fps;
+    info.stated_frames <= info.decoded_frames || !times_s.iter().all(is_on_rate)
 }
 
 /// The first frames of a video.
