@@ -78,10 +78,6 @@ fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     (1.0 - covered / (width * height)).max(0.1)
 }
 
-/// The features of a picture; this program was built without OpenCV and has none.
-///
-/// # Errors
-/// Always [`FeatureError::WithoutOpenCv`].
 /// The version of the OpenCV that finds features; none in a program that was built without it.
 #[must_use]
 pub fn opencv_version() -> Option<String> {
@@ -91,6 +87,10 @@ pub fn opencv_version() -> Option<String> {
     return None;
 }
 
+/// The features of a picture; this program was built without OpenCV and has none.
+///
+/// # Errors
+/// Always [`FeatureError::WithoutOpenCv`].
 #[cfg(not(feature = "opencv"))]
 pub fn extract(_picture: &Picture, _masks: &[PixelBox], _options: &FeatureOptions) -> Result<Features, FeatureError> {
     Err(FeatureError::WithoutOpenCv)
