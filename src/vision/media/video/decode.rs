@@ -1,6 +1,6 @@
 //! An open video and its frames by number.
 
-use super::capture::VideoBackend;
+use super::backend::VideoBackend;
 use super::comb::first_field;
 use super::known::known_or;
 use super::player::Player;

@@ -1,7 +1,7 @@
 //! What was found out about the videos opened before: it holds for as long as their files do not change, and most videos
 //! are opened by several threads of one program.
 
-use super::capture::{VideoBackend, open_capture};
+use super::backend::{VideoBackend, open_capture};
 use super::survey::Survey;
 use super::{CountProgress, VideoInfo};
 use crate::media::MediaError;

@@ -5,6 +5,7 @@
 //! same picture however it is reached. A damaged frame in the middle of a long video of even rate keeps its number and
 //! is an error when it is asked for.
 
+mod backend;
 mod capture;
 mod clock;
 mod comb;
@@ -17,7 +18,7 @@ mod player;
 mod sample_table;
 mod survey;
 
-pub use capture::VideoBackend;
+pub use backend::VideoBackend;
 pub use clock::FrameClock;
 pub use decode::Video;
 

@@ -1,7 +1,8 @@
 //! A capture moved to a frame by its number: reading forward where that is near, jumping where it is far.
 
 use super::VideoInfo;
-use super::capture::{Capture, VideoBackend, open_capture};
+use super::backend::{VideoBackend, open_capture};
+use super::capture::Capture;
 use crate::media::MediaError;
 
 /// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key frame before the

@@ -5,7 +5,8 @@
 //! because it states the average over all frames; of other files the packets are counted. Where that fails, an MP4's
 //! table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
 
-use super::capture::{Capture, VideoBackend, count_packets, open_capture, open_times};
+use super::backend::{VideoBackend, count_packets, open_capture, open_times};
+use super::capture::Capture;
 use super::comb::is_combed;
 use super::player::{Landed, Player};
 use super::sample_table::sample_times_s;
