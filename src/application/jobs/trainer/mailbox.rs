@@ -18,8 +18,9 @@ pub(super) struct Orders {
     pub(super) document: Option<Document>,
     /// Counts documents.
     pub(super) edition: u64,
-    /// Answers that the newest document has come to show since, and since the orders were taken
-    /// last.
+    /// Answers that documents before the newest came to show since the orders were taken last.
+    pub(super) shown_before: Vec<AnswerKey>,
+    /// Answers that the newest document has come to show since then.
     pub(super) shown: Vec<AnswerKey>,
     /// Forests that were refused since then.
     pub(super) refused: Vec<RefusedForests>,
@@ -42,8 +43,7 @@ impl Orders {
         match order {
             TrainerOrder::Document(document) => {
                 self.edition += 1;
-                // The document shows them.
-                self.shown.clear();
+                self.shown_before.append(&mut self.shown);
                 return self.document.replace(*document);
             }
             TrainerOrder::Shown(keys) => self.shown.extend(keys),
@@ -58,8 +58,9 @@ impl Orders {
 
     /// The current orders. What came since they were taken last is handed out once.
     fn take(&mut self) -> Self {
+        let shown_before = std::mem::take(&mut self.shown_before);
         let (shown, refused) = (std::mem::take(&mut self.shown), std::mem::take(&mut self.refused));
-        Self { shown, refused, ..self.clone() }
+        Self { shown_before, shown, refused, ..self.clone() }
     }
 }
 

@@ -7,7 +7,7 @@ use super::given_answers::GivenAnswers;
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use super::windows::Windows;
-use crate::app::{Doing, ForestFacts, TrainerStatus};
+use crate::app::{AnswerKey, Doing, ForestFacts, TrainerStatus};
 use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -147,6 +147,8 @@ impl<C: Backend> Work<C> {
         for refused in orders.refused.drain(..) {
             self.answer_cache.refuse(refused);
         }
+        // What was shown before the newest document, and is not in it, is lost.
+        self.note_shown(std::mem::take(&mut orders.shown_before));
         if self.orders.paused && !orders.paused {
             // Pausing and resuming is how the user retries.
             self.failed = None;
@@ -170,7 +172,16 @@ impl<C: Backend> Work<C> {
                 (*references, frames.len(), *withheld);
             self.count();
         }
-        for key in orders.shown.drain(..) {
+        self.note_shown(std::mem::take(&mut orders.shown));
+        if !orders.features {
+            self.shown = None;
+        }
+        self.orders = orders;
+    }
+
+    /// The document has come to show these answers.
+    fn note_shown(&mut self, keys: Vec<AnswerKey>) {
+        for key in keys {
             if key.is_carried {
                 self.windows.note_shown(&key.frame);
             } else {
@@ -178,10 +189,6 @@ impl<C: Backend> Work<C> {
             }
             self.given_answers.show(&key, &mut self.document);
         }
-        if !orders.features {
-            self.shown = None;
-        }
-        self.orders = orders;
     }
 
     fn next(&mut self) -> Step {
