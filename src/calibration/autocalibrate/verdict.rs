@@ -135,7 +135,7 @@ mod tests {
 
         // A picture of 960 px width allows half of the 25 px.
         let near = click(frame.index, "centre_mark", 12.0);
-        assert_eq!(doubt(&[near.clone()]), None);
+        assert_eq!(doubt(std::slice::from_ref(&near)), None);
         let Some(Doubt::ClickContradicts { landmark, frame: name, off_px }) =
             doubt(&[near, click(frame.index, "centre_mark", 13.0)])
         else {

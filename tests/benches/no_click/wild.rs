@@ -16,36 +16,51 @@ use touchline::media::FrameSource;
 /// A clip of soccer.
 struct WildClip {
     name: &'static str,
-    /// Where the answer stands that was seen to be right, m; none where none was given.
-    position_m: Option<[f64; 3]>,
+    /// The answer that was seen to be right; none where none was given.
+    right: Option<SeenRight>,
+}
+
+/// Where the camera of a right answer stands.
+struct SeenRight {
+    position_m: [f64; 3],
+    /// Its 1-σ, m: larger than [`RIGHT_M`] where a clip shows one end of the pitch through a long lens.
+    sigma_m: f64,
+}
+
+const fn right(name: &'static str, position_m: [f64; 3], sigma_m: f64) -> WildClip {
+    WildClip { name, right: Some(SeenRight { position_m, sigma_m }) }
+}
+
+const fn unanswered(name: &'static str) -> WildClip {
+    WildClip { name, right: None }
 }
 
 const CLIPS: [WildClip; 8] = [
-    WildClip { name: "germany-italy", position_m: Some([1.97, -73.32, 17.52]) },
-    WildClip { name: "udinese-cagliari-50fps", position_m: Some([0.44, -88.97, 21.21]) },
-    WildClip { name: "estudiantes-patronato", position_m: Some([1.29, -72.70, 27.82]) },
-    WildClip { name: "psg-marseille-smoke", position_m: Some([-0.70, -74.65, 21.64]) },
-    WildClip { name: "chelsea-milan", position_m: None },
-    WildClip { name: "goal-close", position_m: None },
-    WildClip { name: "brighton-liverpool", position_m: None },
-    WildClip { name: "behind-goal-tactical", position_m: None },
+    right("germany-italy", [1.97, -73.32, 17.52], 1.3),
+    right("udinese-cagliari-50fps", [0.44, -88.97, 21.21], 1.2),
+    right("estudiantes-patronato", [1.29, -72.70, 27.82], 2.1),
+    right("psg-marseille-smoke", [-0.70, -74.65, 21.64], 0.6),
+    right("brighton-liverpool", [0.67, -69.67, 16.20], 3.2),
+    unanswered("chelsea-milan"),
+    unanswered("goal-close"),
+    unanswered("behind-goal-tactical"),
 ];
 
 /// Those that are right stay right. The others are not counted: what they answer has to be looked at.
-pub const RATE: Rate = Rate { tried: 4, right: 4, wrong: 0 };
+pub const RATE: Rate = Rate { tried: 5, right: 5, wrong: 0 };
 
 /// All clips, each as a document of its frames in which nothing is known.
 pub fn clips(data: &Path) -> Tally {
     heading("clips from the wild");
     let mut all = Tally::default();
-    for WildClip { name, position_m } in CLIPS {
+    for WildClip { name, right } in &CLIPS {
         let video = format!("wild/{name}.mp4");
         let FrameSource::Video(info) = FrameSource::open(&data.join(&video)).unwrap() else { continue };
         let document = document_of_video(&video, &info, FieldSpec::new("soccer"), 1);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
-        let (says, tally) = judged(&answer, position_m.map(Vec3::from));
+        let (says, tally) = judged(&answer, right.as_ref());
         println!("| {name} | {} | {says} | {seconds:.0} |", document.frames.len());
-        if position_m.is_some() {
+        if right.is_some() {
             all.add(&tally);
         }
     }
@@ -54,7 +69,7 @@ pub fn clips(data: &Path) -> Tally {
 }
 
 /// What an answer says, and of which kind it is.
-fn judged(answer: &AutocalibrationAnswer, right_m: Option<Vec3>) -> (String, Tally) {
+fn judged(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String, Tally) {
     let mut tally = Tally::default();
     let says = match answer {
         AutocalibrationAnswer::Found(found) => {
@@ -65,10 +80,11 @@ fn judged(answer: &AutocalibrationAnswer, right_m: Option<Vec3>) -> (String, Tal
                 found.snapped_count(),
                 found.frames.len()
             );
-            match right_m.map(|right_m| (found.base.position_m - right_m).norm()) {
+            match right {
                 None => format!("{at}; its panorama has to be looked at"),
-                Some(off_m) => {
-                    let is_right = off_m <= RIGHT_M;
+                Some(right) => {
+                    let off_m = (found.base.position_m - Vec3::from(right.position_m)).norm();
+                    let is_right = off_m <= RIGHT_M.max(right.sigma_m);
                     (tally.right, tally.wrong) = (usize::from(is_right), usize::from(!is_right));
                     format!("{}: {at}, {off_m:.2} m from where it was", if is_right { "right" } else { "WRONG" })
                 }
