@@ -7,7 +7,7 @@ use super::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median, subsample};
 use touchline_core::solve::base::{
     AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FittedSize, FrameClicks, LensModel, adjust_base,
 };
@@ -269,11 +269,7 @@ fn near_lines(
         }
         of_line[near.line].extend(Observation::of_paint(field, near.line, *image, SIGMA_PX * scale, place));
     }
-    let spread = |places: Vec<Observation>| {
-        let every = places.len().div_ceil(OF_LINE).max(1);
-        places.into_iter().step_by(every)
-    };
-    of_line.into_iter().flat_map(spread).collect()
+    of_line.into_iter().flat_map(|places| subsample(places, OF_LINE)).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::calibrate::may_replace;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldError;
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::markings::{FEWEST_OPEN, LineVerdict};
 use touchline_documents::document::{DocumentAt, Fields, Frame, FramePtz, FrameStatus};
 use touchline_vision::media::{FrameReader, Picture, ReadFrames};
@@ -53,7 +53,7 @@ impl LineEvidence {
         let mut evidence = Self { fields, proven: None, snapping };
         let solved = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
         let references: Vec<&Frame> = at.document.frames.iter().map(|frame| &**frame).filter(solved).collect();
-        for frame in references.iter().step_by(references.len().div_ceil(REFERENCES).max(1)) {
+        for frame in subsample(references, REFERENCES) {
             let (Some(camera), Ok(picture)) = (at.document.pointed(frame), read_picture(reader, frame, at.folder))
             else {
                 continue;

@@ -5,8 +5,8 @@ use super::Tie;
 use super::pose_prior::{PosePrior, by_focal_px};
 use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
-use touchline_core::geometry::ImageSize;
 use touchline_core::geometry::rotation::{q_pan, q_tilt};
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
 /// 1-σ of a match, px at 1920 px width: features scatter by one, and crowds, boards and lenses are not quite still.
@@ -30,10 +30,7 @@ pub fn adjust_matched_frames(
 ) -> Option<Vec<AdjustedFrame>> {
     let few: Vec<Tie> = ties
         .iter()
-        .map(|tie| {
-            let every = tie.matches.len().div_ceil(OF_TIE).max(1);
-            Tie { matches: tie.matches.iter().step_by(every).copied().collect(), ..tie.clone() }
-        })
+        .map(|tie| Tie { matches: subsample(&tie.matches, OF_TIE).copied().collect(), ..tie.clone() })
         .collect();
     let mut first: Vec<usize> = (0..start.len()).collect();
     for tie in &few {
