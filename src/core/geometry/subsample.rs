@@ -10,7 +10,6 @@ pub const fn stride_of_subsample(count: usize, most: usize) -> usize {
 }
 
 /// At most `most` of some values, evenly spread, the first one among them.
-#[must_use]
 pub fn subsample<I>(values: I, most: usize) -> StepBy<I::IntoIter>
 where
     I: IntoIterator<IntoIter: ExactSizeIterator>,

@@ -129,7 +129,7 @@ pub(super) struct CholeskyFactor {
 }
 
 impl CholeskyFactor {
-    /// The least L_kk² / A_kk: the share of what is known of a parameter that those before it do not take. Nearly 0 where the matrix
+    /// The least `L_kk² / A_kk`: the share of what is known of a parameter that those before it do not take. Nearly 0 where the matrix
     /// leaves a direction open.
     pub fn least_pivot_share(&self) -> f64 {
         self.least_pivot_share

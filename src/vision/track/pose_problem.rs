@@ -99,7 +99,7 @@ impl PoseProblem<'_> {
                     equations.add_without_value(matches.loss);
                     continue;
                 };
-                let by_frame = seen.by_frame.map(|by| Mat3::from_columns(&[by.by_pan, by.by_tilt, by.by_log_focal]));
+                let by_frame = seen.by_frame.map(|by| Mat3::from_columns(&[by.pan, by.tilt, by.log_focal]));
                 let precision = matches.sigma_px.powi(-2);
                 equations.add_pair(&PairResidual { value: seen.value_px, rows, by_frame, precision }, matches.loss);
             }

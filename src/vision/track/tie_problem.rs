@@ -78,11 +78,11 @@ impl Problem for Tied<'_> {
                     let first = LENS + own * frame;
                     match self.freedom {
                         Freedom::Any => {
-                            by.extend((0..3).map(|axis| (first + axis, by_frame.by_turn.column(axis).into_owned())));
+                            by.extend((0..3).map(|axis| (first + axis, by_frame.turn.column(axis).into_owned())));
                         }
-                        Freedom::PanTilt => by.extend([(first, by_frame.by_pan), (first + 1, by_frame.by_tilt)]),
+                        Freedom::PanTilt => by.extend([(first, by_frame.pan), (first + 1, by_frame.tilt)]),
                     }
-                    by.push((first + own - 1, by_frame.by_log_focal));
+                    by.push((first + own - 1, by_frame.log_focal));
                 }
                 equations.add(&seen.value_px, self.px, &by, self.loss);
             }

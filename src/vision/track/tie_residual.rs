@@ -86,10 +86,10 @@ pub(super) struct MatchJacobian {
 /// The change with one of the two frames, px/rad; with the logarithm of its focal length, px.
 pub(super) struct MatchByFrame {
     /// With turns about the common frame's own axes, applied before the frame's rotation.
-    pub by_turn: Mat3,
-    pub by_pan: Vec3,
-    pub by_tilt: Vec3,
-    pub by_log_focal: Vec3,
+    pub turn: Mat3,
+    pub pan: Vec3,
+    pub tilt: Vec3,
+    pub log_focal: Vec3,
 }
 
 impl MatchJacobian {
@@ -109,10 +109,10 @@ impl MatchJacobian {
             // The focal length is also part of the measure of the distance.
             let of_measure = 0.5 * (view.focal_px / own_range_px).powi(2);
             MatchByFrame {
-                by_turn: by_turn(sight.direction) * weight,
-                by_pan: pan_axis.cross(&sight.direction) * weight,
-                by_tilt: tilt_axis.cross(&sight.direction) * weight,
-                by_log_focal: sight.by_log_focal * weight + value_px * of_measure,
+                turn: by_turn(sight.direction) * weight,
+                pan: pan_axis.cross(&sight.direction) * weight,
+                tilt: tilt_axis.cross(&sight.direction) * weight,
+                log_focal: sight.by_log_focal * weight + value_px * of_measure,
             }
         };
         Some(Self {
@@ -180,7 +180,7 @@ mod tests {
         agrees(here.by_lens[0], &with_k1, "k1");
         agrees(here.by_lens[1], &with_slope, "slope of k1");
         for (frame, by) in here.by_frame.iter().enumerate() {
-            for (parameter, analytic) in [by.by_pan, by.by_tilt, by.by_log_focal].into_iter().enumerate() {
+            for (parameter, analytic) in [by.pan, by.tilt, by.log_focal].into_iter().enumerate() {
                 let stepped = |step: f64| {
                     let mut steps = steps;
                     steps[frame][parameter] += step;
@@ -192,10 +192,10 @@ mod tests {
                 let turned = |step: f64| {
                     let mut views = views(steps);
                     let turn = from_rotation_vector(Vec3::ith(axis, step));
-                    views[frame].cam_from_common = views[frame].cam_from_common * turn;
+                    views[frame].cam_from_common *= turn;
                     jacobian(views, lens)
                 };
-                agrees(by.by_turn.column(axis).into_owned(), &turned, &format!("frame {frame}, turn {axis}"));
+                agrees(by.turn.column(axis).into_owned(), &turned, &format!("frame {frame}, turn {axis}"));
             }
         }
     }
