@@ -51,7 +51,7 @@ pub use thumbnails::{ThumbnailReport, Thumbnails};
 pub use trainer::{Trainer, TrainerOptions};
 
 use std::sync::Arc;
-use touchline_calibration::pipelines::panic_message;
+use touchline_core::progress::panic_message;
 
 /// Called by a job's thread when a report waits to be polled; a window repaints then.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

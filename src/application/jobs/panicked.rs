@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
-use touchline_calibration::pipelines::panic_message;
+use touchline_core::progress::panic_message;
 
 /// Code of this program, or of what it stands on, gave up.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -2,7 +2,7 @@
 //!
 //! A frame's camera is known from three sides: its paint in the joint adjustment, its matches with other frames, and, once a base is
 //! known, the painted lines of its own picture at full resolution. The three are combined in two passes of one least-squares problem
-//! over all frames ([`hold_frames`]):
+//! over all frames ([`adjust_matched_frames`]):
 //!
 //! 1. matches and the paint of the joint adjustment place every frame; from there each is aligned to its own picture ([`snap`]);
 //! 2. where that succeeds, its result replaces the first paint. An alignment that the neighbours contradict by more than
@@ -23,7 +23,7 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::{Loss, Uncertainty};
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, SnapOptions, Snapped, overlays_apart_px, snap};
-use touchline_vision::track::{HeldFrame, Hold, hold_frames};
+use touchline_vision::track::{AdjustedFrame, PosePrior, PriorSource, adjust_matched_frames};
 
 /// A frame whose overlay is less certain at its worst corner is not answered: 1-σ of paint and matches, px at 1920 px width.
 const MAX_CORNER_SIGMA_PX: f64 = 3.0;
@@ -80,21 +80,21 @@ fn align_to_pictures(
 struct ConstrainedFrames {
     base: CameraBase,
     image_size: ImageSize,
-    frames: Vec<HeldFrame>,
+    frames: Vec<AdjustedFrame>,
 }
 
 impl ConstrainedFrames {
     /// Solves for all frames with a pose prior for some of them. None if that leaves one of them undetermined.
-    fn solve(hypothesis: &Hypothesis, priors: &[Hold], matched: &MatchedFrames) -> Option<Self> {
+    fn solve(hypothesis: &Hypothesis, priors: &[PosePrior], matched: &MatchedFrames) -> Option<Self> {
         let base = hypothesis.camera.base;
         let start = hypothesis.all_ptz(matched)?;
-        let frames = hold_frames(&base, &start, &matched.matches, priors, matched.image_size)?;
+        let frames = adjust_matched_frames(&base, &start, &matched.matches, priors, matched.image_size)?;
         Some(Self { base, image_size: matched.image_size, frames })
     }
 
     /// The frames with their indices in the document, uncertain ones included.
     fn frames(&self, matched: &MatchedFrames) -> Vec<AutocalibratedFrame> {
-        let frame = |(&index, held): (&usize, &HeldFrame)| AutocalibratedFrame {
+        let frame = |(&index, held): (&usize, &AdjustedFrame)| AutocalibratedFrame {
             index,
             ptz: held.ptz,
             uncertainty: self.uncertainty(held),
@@ -106,7 +106,7 @@ impl ConstrainedFrames {
     /// Places all frames again, by their alignments where these succeeded. Drops alignments that the neighbours contradict, and
     /// frames that stay uncertain.
     fn combine_with_alignments(&self, hypothesis: &mut Hypothesis, matched: &MatchedFrames) {
-        let mut priors: Vec<Hold> = Vec::new();
+        let mut priors: Vec<PosePrior> = Vec::new();
         for (number, frame) in hypothesis.camera.frames.iter().enumerate() {
             let aligned = frame.snapped.as_ref().and_then(|snapped| {
                 prior_from_alignment(number, snapped.ptz, &snapped.uncertainty.clicks, self.image_size)
@@ -147,7 +147,7 @@ impl ConstrainedFrames {
         by_cell.into_values().collect()
     }
 
-    fn uncertainty(&self, held: &HeldFrame) -> Option<Uncertainty> {
+    fn uncertainty(&self, held: &AdjustedFrame) -> Option<Uncertainty> {
         Uncertainty::of_known(&PtzCamera::new(self.base, held.ptz), held.covariance, self.image_size).ok()
     }
 
@@ -160,17 +160,23 @@ impl ConstrainedFrames {
 
 /// The pose prior of a frame that is aligned to its own paint, which leaves `covariance` of (pan rad, tilt rad, focal length px).
 ///
-/// `hold_frames` works with the logarithm of the focal length: row and column of f are divided by f. The floor
+/// `adjust_matched_frames` works with the logarithm of the focal length: row and column of f are divided by f. The floor
 /// [`MIN_ALIGNED_SIGMA_PX`] at a corner is δ/f as an angle and, a corner being half a width away from the centre, 2δ/width as a change
 /// of log f.
-pub(super) fn prior_from_alignment(frame: usize, ptz: Ptz, covariance: &Mat3, image_size: ImageSize) -> Option<Hold> {
+pub(super) fn prior_from_alignment(
+    frame: usize,
+    ptz: Ptz,
+    covariance: &Mat3,
+    image_size: ImageSize,
+) -> Option<PosePrior> {
     let least_angle = MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / ptz.focal_px;
     let least_log_focal = 2.0 * MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / f64::from(image_size.width);
     let least = Vec3::new(least_angle, least_angle, least_log_focal);
     let floor = Mat3::from_diagonal(&least.map(|sigma| sigma * sigma));
     let to_log_focal = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, ptz.focal_px.recip()));
     let information = (to_log_focal * covariance * to_log_focal + floor).try_inverse()?;
-    Some(Hold { frame, ptz, information, loss: Loss::Cauchy { c: ALIGNED_LOSS_SIGMAS } })
+    let loss = Loss::Cauchy { c: ALIGNED_LOSS_SIGMAS };
+    Some(PosePrior { loss, ..PosePrior::new(frame, ptz, information, PriorSource::Paint) })
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::sync::Arc;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Vec3;
-use touchline_vision::track::{Hold, filled};
+use touchline_vision::track::{PosePrior, filled};
 
 /// A base for the camera, and the frames around it. Frames are numbered as in [`MatchedFrames`].
 #[derive(Clone)]
@@ -24,7 +24,7 @@ pub(super) struct Hypothesis {
     /// Of each frame, by the paint of all frames; none for frames that show too little.
     pub ptz: Vec<Option<Ptz>>,
     /// What each frame's own paint says of its camera.
-    pub paint_priors: Vec<Hold>,
+    pub paint_priors: Vec<PosePrior>,
     /// The frames at the focal scale where the search found the pose.
     pub frames: Arc<FramesAtScale>,
 }

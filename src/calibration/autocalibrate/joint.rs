@@ -7,12 +7,12 @@ use super::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, median};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median, subsample};
 use touchline_core::solve::base::{
     AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FittedSize, FrameClicks, LensModel, adjust_base,
 };
-use touchline_core::solve::{Loss, Observation};
-use touchline_vision::track::{Hold, Tie, hold_frames};
+use touchline_core::solve::{BlockEquations, Loss, Observation};
+use touchline_vision::track::{PosePrior, PriorSource, Tie, adjust_matched_frames};
 
 /// How far paint may lie from the line that it is taken for, round by round, px at 1920 px width.
 const REACH_PX: [f64; 6] = [40.0, 25.0, 14.0, 8.0, 5.0, 4.0];
@@ -24,7 +24,7 @@ const CROWN_FROM: usize = 3;
 const SIZE_AFTER: [usize; 2] = [1, 3];
 
 /// After these rounds frames that have strayed from where their neighbours have them are brought back.
-const HELD_AFTER: [usize; 2] = [2, 3];
+const TIED_AFTER: [usize; 2] = [2, 3];
 
 /// 1-σ of the middle of a stroke, px at 1920 px width, with what its neighbours have in common with it.
 const SIGMA_PX: f64 = 1.5;
@@ -38,9 +38,8 @@ const MIN_PLACES: usize = 25;
 /// Fewer frames do not determine a base.
 const MIN_FRAMES: usize = 2;
 
-/// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
-/// much.
-const HOLD_SIGMAS: f64 = 2.0;
+/// Paint hardly counts beyond 2 σ where it says where a frame looks: the loss of the last round.
+const PAINT_LOSS: Loss = Loss::Cauchy { c: 2.0 };
 
 /// A base and its frames, adjusted jointly to paint.
 pub(super) struct JointAdjustment {
@@ -72,7 +71,7 @@ impl JointAdjustment {
 }
 
 /// The frames as their paint and the ties between them have them.
-fn held_by_ties(
+fn adjusted_by_ties(
     base: &CameraBase,
     ptz: &[Option<Ptz>],
     taken: &[FrameClicks],
@@ -84,40 +83,35 @@ fn held_by_ties(
     let place = |frame: usize| part.binary_search(&frame).ok();
     let ties = renumber_matches(ties, &part);
     let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
-    let holds = holds(base, ptz, taken).into_iter();
-    let holds: Vec<Hold> = holds.filter_map(|hold| Some(Hold { frame: place(hold.frame)?, ..hold })).collect();
-    let Some(held) = hold_frames(base, &start, &ties, &holds, size) else { return ptz.to_vec() };
+    let priors = paint_priors(base, ptz, taken).into_iter();
+    let priors: Vec<PosePrior> =
+        priors.filter_map(|prior| Some(PosePrior { frame: place(prior.frame)?, ..prior })).collect();
+    let Some(adjusted) = adjust_matched_frames(base, &start, &ties, &priors, size) else { return ptz.to_vec() };
     let mut brought = ptz.to_vec();
-    for (frame, held) in part.into_iter().zip(held) {
-        brought[frame] = Some(held.ptz);
+    for (frame, adjusted) in part.into_iter().zip(adjusted) {
+        brought[frame] = Some(adjusted.ptz);
     }
     brought
 }
 
 /// What the paint of each frame says of its camera.
-fn holds(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -> Vec<Hold> {
+fn paint_priors(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -> Vec<PosePrior> {
     let of_frame = |(frame, (ptz, taken)): (usize, (&Option<Ptz>, &FrameClicks))| {
         let ptz = (*ptz)?;
         let camera = PtzCamera::new(*base, ptz);
-        let mut information = Mat3::zeros();
+        let mut equations = BlockEquations::<0, 3>::zero();
         for seen in &taken.observations {
-            let Some((off_px, by_ptz)) = seen.shape.residual_by_ptz(&camera, seen.image) else { continue };
-            // The loss of the last round.
-            let sigmas_squared = off_px.norm_squared() / seen.sigma_px.powi(2);
-            let weight = 1.0 / (1.0 + sigmas_squared / HOLD_SIGMAS.powi(2));
-            information += by_ptz.transpose() * by_ptz * (weight / seen.sigma_px.powi(2));
+            equations.add(seen, &camera, PAINT_LOSS);
         }
-        let by_log_focal = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, ptz.focal_px));
-        let information = by_log_focal * information * by_log_focal;
-        Some(Hold { frame, ptz, information, loss: Loss::Cauchy { c: HOLD_SIGMAS } })
+        Some(PosePrior::new(frame, ptz, equations.own, PriorSource::Paint))
     };
     ptz.iter().zip(taken).enumerate().filter_map(of_frame).collect()
 }
 
 impl JointAdjustment {
     /// What the paint of each frame says of its camera.
-    pub fn paint_priors(&self) -> Vec<Hold> {
-        holds(&self.base, &self.ptz, &self.taken)
+    pub fn paint_priors(&self) -> Vec<PosePrior> {
+        paint_priors(&self.base, &self.ptz, &self.taken)
     }
 }
 
@@ -172,8 +166,8 @@ pub(super) fn adjust_jointly(
         let crowned = FieldModel { crown_m: adjusted.crown_m, ..field };
         taken = on_field(taken, &crowned);
         field = crowned;
-        if HELD_AFTER.contains(&round) {
-            ptz = held_by_ties(&base, &ptz, &taken, matches, size);
+        if TIED_AFTER.contains(&round) {
+            ptz = adjusted_by_ties(&base, &ptz, &taken, matches, size);
         }
         let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
         let Some(fitted) = prior.fit_size(&field, &taken, &base, &ptz, &model, (size.width, &options)) else {
@@ -275,11 +269,7 @@ fn near_lines(
         }
         of_line[near.line].extend(Observation::of_paint(field, near.line, *image, SIGMA_PX * scale, place));
     }
-    let spread = |places: Vec<Observation>| {
-        let every = places.len().div_ceil(OF_LINE).max(1);
-        places.into_iter().step_by(every)
-    };
-    of_line.into_iter().flat_map(spread).collect()
+    of_line.into_iter().flat_map(|places| subsample(places, OF_LINE)).collect()
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ use nalgebra::{SMatrix, SVector, Vector1};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::field::{FieldElement, FieldModel};
-use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_core::geometry::{ImagePoint, Vec3, subsample};
 use touchline_core::solve::base::BasePriors;
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise};
 use touchline_vision::track::Turns;
@@ -234,8 +234,7 @@ impl<'a> PaintSamples<'a> {
                 }
             }
         }
-        let stride = samples.len().div_ceil(MAX_SAMPLES).max(1);
-        Self { rotations, samples: samples.into_iter().step_by(stride).collect() }
+        Self { rotations, samples: subsample(samples, MAX_SAMPLES).collect() }
     }
 
     /// The directions of all samples in `panorama` at a focal scale; none for a sample beyond the fold of the lens.
@@ -300,12 +299,7 @@ fn subsample_per_line(pairs: Vec<Correspondence>) -> Vec<Correspondence> {
     for pair in pairs {
         pairs_by_line.entry(pair.paint.line.line).or_default().push(pair);
     }
-    let mut kept = Vec::new();
-    for pairs in pairs_by_line.into_values() {
-        let stride = pairs.len().div_ceil(MAX_PER_LINE).max(1);
-        kept.extend(pairs.into_iter().step_by(stride));
-    }
-    kept
+    pairs_by_line.into_values().flat_map(|pairs| subsample(pairs, MAX_PER_LINE)).collect()
 }
 
 /// What is fitted.

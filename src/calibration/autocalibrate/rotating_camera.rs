@@ -14,12 +14,11 @@ use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera}
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
 use touchline_core::markings::{SampleOptions, sample_lines};
-use touchline_core::solve::Loss;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 use touchline_vision::features::Features;
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, Strokes};
-use touchline_vision::track::{Hold, Tie, Turns};
+use touchline_vision::track::{PosePrior, PriorSource, Tie, Turns};
 
 pub const IMAGE_SIZE: ImageSize = ImageSize::new(960, 540);
 
@@ -170,9 +169,9 @@ pub fn document() -> Document {
 }
 
 /// What paint that is exact to 1 px or so says of a frame.
-pub fn paint_prior(frame: usize, ptz: Ptz) -> Hold {
+pub fn paint_prior(frame: usize, ptz: Ptz) -> PosePrior {
     let information = Mat3::from_diagonal(&Vec3::new(1e6, 1e6, 1e5));
-    Hold { frame, ptz, information, loss: Loss::Cauchy { c: 2.0 } }
+    PosePrior::new(frame, ptz, information, PriorSource::Paint)
 }
 
 /// The right hypothesis, with an index for each frame and no evidence.

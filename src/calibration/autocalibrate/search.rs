@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation};
-use touchline_core::geometry::{Angle, Vec2, Vec3};
+use touchline_core::geometry::{Angle, Vec2, Vec3, stride_of_subsample, subsample};
 use touchline_vision::paint::SeenGround;
 
 /// What is known of the paint: directions in `panorama`, and where ground was seen.
@@ -83,8 +83,7 @@ impl Panorama {
             })
             .copied()
             .collect();
-        let every = spread.len().div_ceil(KEPT).max(1);
-        let directions = spread.iter().step_by(every).copied().collect();
+        let directions = subsample(spread, KEPT).collect();
         let painted = PaintedSphere::of(all);
         Self { directions, seen, painted }
     }
@@ -179,7 +178,7 @@ pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<ScoredPose> 
 
 /// Places on one of `of` fields: together the fields are asked as little longer as that allows.
 fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<ScoredPose> {
-    let every = (panorama.directions.len() * of.div_ceil(2)).div_ceil(ASKED_FIRST).max(1);
+    let every = stride_of_subsample(panorama.directions.len() * of.div_ceil(2), ASKED_FIRST);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
     let below = |ninths: &Range<usize>| -> Vec<BelowHorizon> {
         let asked = few.iter().enumerate().filter(|(number, _)| ninths.contains(&(number % 9)));

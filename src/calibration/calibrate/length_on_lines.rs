@@ -12,7 +12,7 @@ use super::unseen_length::{LENGTH, UnseenLength};
 use rayon::prelude::*;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldError;
-use touchline_core::geometry::{Vec3, mean};
+use touchline_core::geometry::{Vec3, mean, subsample};
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame};
 use touchline_vision::paint::{GroundPicture, check_lines};
@@ -166,12 +166,11 @@ fn frames_of<'a>(document: &'a Document, camera: &CameraId, is_asked: impl Fn(&F
 
 /// The pictures of some of these frames, evenly spread.
 fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -> Vec<Look<'a>> {
-    let step = frames.len().div_ceil(FRAMES).max(1);
     let read = |frame: &&'a Frame| {
         let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
         Some(Look { ground, ptz: frame.ptz.as_ref()?.ptz(), frame })
     };
-    frames.iter().copied().step_by(step).collect::<Vec<_>>().iter().filter_map(read).collect()
+    subsample(frames, FRAMES).filter_map(read).collect()
 }
 
 /// How much of the paint of each frame a length explains: how near the lines lie to paint, times the paint that lies at lines. Each

@@ -14,14 +14,13 @@ use crate::proposals::{
     FeatureStore, FramePictures, LearnError, LearnOptions, LineEvidence, NoProposal, Proposal, Studied,
     TrainingSampleError, learn, propose, study,
 };
-use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::field::FieldError;
-use touchline_core::progress::Progress;
+use touchline_core::progress::{Progress, panic_message};
 use touchline_documents::document::Document;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped, TrainProgress};
@@ -203,11 +202,4 @@ pub fn label_frames(
         }
     }
     Ok(proposals)
-}
-
-/// The message of a panic.
-#[must_use]
-pub fn panic_message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())
 }

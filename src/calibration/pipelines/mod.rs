@@ -14,7 +14,7 @@ mod track_clips;
 
 pub use forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames, learn_forest,
-    panic_message, propose_on_lines,
+    propose_on_lines,
 };
 pub use match_labels::{
     LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, find_camera, label_match,

@@ -5,7 +5,7 @@ use crate::calibrate::may_replace;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldError;
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::markings::{FEWEST_OPEN, LineVerdict};
 use touchline_documents::document::{DocumentAt, Fields, Frame, FramePtz, FrameStatus};
 use touchline_vision::media::{FrameReader, Picture, ReadFrames};
@@ -54,8 +54,7 @@ impl LineEvidence {
         let is_solved = |frame: &Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
         let references: Vec<usize> =
             (0..at.document.frames.len()).filter(|&index| is_solved(&at.document.frames[index])).collect();
-        let stride = references.len().div_ceil(REFERENCES).max(1);
-        let pictures = PictureStream::new(at, references.into_iter().step_by(stride)).with_reader(reader);
+        let pictures = PictureStream::new(at, subsample(references, REFERENCES)).with_reader(reader);
         for FramePicture { frame, picture, .. } in pictures {
             let (Some(camera), Ok(picture)) = (at.document.pointed(frame), picture) else { continue };
             let check =

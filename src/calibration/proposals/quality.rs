@@ -10,8 +10,7 @@ use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
 use std::collections::BTreeSet;
 use touchline_core::camera::{Ptz, PtzCamera};
-use touchline_core::geometry::median;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, median, subsample};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
@@ -230,8 +229,7 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     if clips.len() > 1 {
         let of_clip = |clip: Option<&Clip>| {
             let left_out: BTreeSet<usize> = all.clone().filter(|&index| frame(index).clip.as_ref() == clip).collect();
-            let step = left_out.len().div_ceil(MOST_OF_A_SHOT).max(1);
-            Group { asked: left_out.iter().copied().step_by(step).collect(), left_out }
+            Group { asked: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(), left_out }
         };
         return (LeftOutBy::Shot, clips.into_iter().map(of_clip).collect());
     }

@@ -13,6 +13,7 @@ mod image;
 pub mod rotation;
 mod rows;
 mod segment;
+mod subsample;
 mod text;
 
 pub use angle::Angle;
@@ -25,6 +26,7 @@ pub use homography::homography;
 pub use image::{ImagePoint, ImageSize, PixelBox};
 pub use rows::rows;
 pub use segment::distance_from_segment;
+pub use subsample::{stride_of_subsample, subsample};
 pub use text::{counted, hex, is_formula, text_cell, thousands};
 
 /// A column of two numbers; the name of the value gives frame and unit.

@@ -3,6 +3,10 @@
 //! A long function takes a `&Progress` and reports each step to it. The caller decides at each report whether to go on, and
 //! `&Progress::default()` is for a caller who does not care. What a step looks like is up to the function: a share, or an event.
 
+mod panic_message;
+
+pub use panic_message::panic_message;
+
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;

@@ -15,6 +15,11 @@ pub enum Loss {
         /// Where the pull is strongest, sigmas.
         c: f64,
     },
+    /// z² / (1 + (z/c)²): what is far off adds a constant and does not pull (Geman and McClure, 1987).
+    GemanMcClure {
+        /// Where half of the constant c² is reached, sigmas.
+        c: f64,
+    },
 }
 
 impl Default for Loss {
@@ -41,6 +46,10 @@ impl Loss {
             Self::Cauchy { c } => {
                 let ratio = z_squared / (c * c);
                 (c * c * ratio.ln_1p(), 1.0 / (1.0 + ratio))
+            }
+            Self::GemanMcClure { c } => {
+                let share = 1.0 / (1.0 + z_squared / (c * c));
+                (z_squared * share, share * share)
             }
         }
     }
@@ -94,7 +103,7 @@ mod tests {
 
     #[test]
     fn the_weight_is_the_derivative_of_the_loss() {
-        for loss in [Loss::Squared, Loss::Huber { k: 2.0 }, Loss::Cauchy { c: 2.4 }] {
+        for loss in [Loss::Squared, Loss::Huber { k: 2.0 }, Loss::Cauchy { c: 2.4 }, Loss::GemanMcClure { c: 2.1 }] {
             for z_squared in [0.3, 3.9, 4.1, 50.0] {
                 let h = 1e-6;
                 let numeric = (loss.of(z_squared + h).0 - loss.of(z_squared - h).0) / (2.0 * h);
@@ -105,10 +114,16 @@ mod tests {
 
     #[test]
     fn a_sum_of_losses_is_their_sum_whatever_their_kind_and_number() {
-        let kinds = [Loss::Cauchy { c: 3.0 }, Loss::Squared, Loss::Cauchy { c: 1.5 }, Loss::Huber { k: 3.0 }];
+        let kinds = [
+            Loss::Cauchy { c: 3.0 },
+            Loss::Squared,
+            Loss::Cauchy { c: 1.5 },
+            Loss::Huber { k: 3.0 },
+            Loss::GemanMcClure { c: 2.0 },
+        ];
         let (mut sum, mut expected) = (LossSum::ZERO, 0.0);
         for step in 0..4000u32 {
-            let (z_squared, loss) = (f64::from(step % 97).powi(3), kinds[(step as usize / 7) % 4]);
+            let (z_squared, loss) = (f64::from(step % 97).powi(3), kinds[(step as usize / 7) % kinds.len()]);
             let (cost, weight) = loss.of(z_squared);
             expected += cost;
             assert!((sum.add(z_squared, loss) - weight).abs() < 1e-15);

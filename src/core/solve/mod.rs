@@ -1,8 +1,9 @@
 //! From observations to parameters: one problem a file.
 //!
 //! [`Observation`] says what a click shows: a landmark, or a line on which it lies. Clicks, priors and whatever else is
-//! measured are `residual::Residual`s, and everything that is fitted goes through `least_squares::minimise`. [`FrameSolution`] is what a frame's
-//! clicks and a known base say about pan, tilt and focal length, with everything a person must know to trust it.
+//! measured are [`Residual`]s, and everything that is fitted takes the steps of one [`Problem`]: [`minimise`] down to a minimum,
+//! [`gauss_newton_step`] one for each scale of a robust loss that shrinks. [`FrameSolution`] is what a frame's clicks and a known base
+//! say about pan, tilt and focal length, with everything a person must know to trust it.
 //!
 //! Frames, signs and units: [`crate::conventions`].
 
@@ -15,6 +16,7 @@ mod error;
 #[cfg(test)]
 mod fixtures;
 mod frame;
+mod graduated;
 mod identity;
 mod identity_finding;
 mod least_squares;
@@ -42,6 +44,7 @@ pub use covariance::{CornerSigma, Uncertainty, covariance_in_radians, covariance
 pub use dense::DenseEquations;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
+pub use graduated::gauss_newton_step;
 pub use identity::check_identity;
 pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
 pub use least_squares::{BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise};

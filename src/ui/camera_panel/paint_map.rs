@@ -8,7 +8,7 @@ use std::sync::Arc;
 use touchline_application::app::{Action, Navigation};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
 use touchline_calibration::calibrate::FoundCamera;
-use touchline_core::geometry::ImagePoint;
+use touchline_core::geometry::{ImagePoint, subsample};
 use touchline_documents::document::Camera;
 
 /// Places of paint that are drawn, at most.
@@ -67,8 +67,7 @@ fn draw(ui: &Ui, rect: Rect, scene: &PaintMapScene<'_>, map: &PaintMapFrame, at:
         let corners: Vec<Pos2> = outline.into_iter().map(&at).collect();
         painter.add(Shape::convex_polygon(corners, Color32::from_rgba_unmultiplied(70, 120, 82, 14), Stroke::NONE));
     }
-    let every = scene.paint.len().div_ceil(PLACES).max(1);
-    for ray in scene.paint.iter().step_by(every) {
+    for ray in subsample(scene.paint, PLACES) {
         let dot = Rect::from_center_size(at(map.map_from_ray(*ray)), vec2(1.3, 1.3));
         painter.rect_filled(dot, 0.0, Color32::from_gray(225));
     }

@@ -16,7 +16,8 @@
 //! ```
 //!
 //! as in edge trackers that search along normals (Harris: "Tracking with rigid models", 1992) and in point-to-line ICP (Chen and
-//! Medioni, 1992). With three unknowns each Gauss–Newton step solves a 3 × 3 system. Two things make it robust:
+//! Medioni, 1992). With three unknowns each Gauss–Newton step ([`gauss_newton_step`]) solves a 3 × 3 system. Two things make it
+//! robust:
 //!
 //! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the ridge nearest to its line *after
 //!   the step so far*, chosen anew in every iteration.
@@ -27,9 +28,11 @@
 //! `snap.rs` repeats search and alignment with a smaller reach around the result.
 
 use super::Sightings;
+use nalgebra::{SMatrix, Vector1};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::FieldElement;
 use touchline_core::geometry::{Angle, Mat3, Vec3};
-use touchline_core::solve::{Loss, Observation};
+use touchline_core::solve::{BlockEquations, Linearised, Loss, Observation, Problem, Residual, gauss_newton_step};
 
 /// 1-σ of a ridge's offset on its own, px at 1920 px width.
 const RIDGE_SIGMA_PX: f64 = 0.5;
@@ -82,35 +85,13 @@ impl LinearisedCamera {
     }
 }
 
-/// The normal equations of a step, Jᵀ W J u = Jᵀ W r; the rows of J are derivatives by the step.
-struct NormalEquations {
-    matrix: Mat3,
-    right: Vec3,
-}
-
-impl NormalEquations {
-    fn with_damping() -> Self {
-        Self { matrix: Mat3::identity() * DAMPING, right: Vec3::zeros() }
-    }
-
-    /// Adds a row of J with its residual and its weight.
-    fn add(&mut self, by_step: &StepPx, residual: f64, weight: f64) {
-        self.matrix += by_step * by_step.transpose() * weight;
-        self.right += by_step * (residual * weight);
-    }
-
-    fn solve(&self) -> Option<StepPx> {
-        Some(self.matrix.try_inverse()? * self.right)
-    }
-}
-
 /// The ridges seen around a camera, ready to be aligned with.
 pub(super) struct RidgeAlignment<'a> {
     sightings: &'a Sightings,
     /// n·∂p/∂u of each sample; zero where the sample cannot be seen.
     by_step: Vec<StepPx>,
-    /// Of each sample's ridge, 1/px².
-    precisions: Vec<f64>,
+    /// 1-σ of each sample's ridge, px.
+    sigmas_px: Vec<f64>,
 }
 
 impl<'a> RidgeAlignment<'a> {
@@ -123,8 +104,7 @@ impl<'a> RidgeAlignment<'a> {
             };
             around.by_step_from_by_ptz(image_by_ptz.tr_mul(&sample.normal))
         });
-        let precisions = sample_sigmas_px(sightings, scale).into_iter().map(|sigma_px| sigma_px.powi(-2));
-        Self { sightings, by_step: by_step.collect(), precisions: precisions.collect() }
+        Self { sightings, by_step: by_step.collect(), sigmas_px: sample_sigmas_px(sightings, scale) }
     }
 
     pub fn num_samples(&self) -> usize {
@@ -149,27 +129,74 @@ impl<'a> RidgeAlignment<'a> {
     /// Makes one Gauss–Newton step for each scale of the robust loss; scales go from coarse to fine.
     pub fn align(
         &self,
-        mut step: StepPx,
+        step: StepPx,
         loss_scales_px: &[f64],
         clicks: Option<&ClickAlignment>,
         takes_part: impl Fn(usize) -> bool,
     ) -> StepPx {
-        for loss_scale_px in loss_scales_px {
-            let mut equations = NormalEquations::with_damping();
-            if let Some(clicks) = clicks {
-                clicks.add_to(&mut equations, &step);
-            }
-            for sample in (0..self.num_samples()).filter(|sample| takes_part(*sample)) {
-                // The ridge nearest to where the step so far has brought the line.
-                let Some(residual_px) = self.residual_px(sample, &step) else { continue };
-                let geman_mcclure = (1.0 + (residual_px / loss_scale_px).powi(2)).powi(2);
-                equations.add(&self.by_step[sample], residual_px, self.precisions[sample] / geman_mcclure);
-            }
-            if let Some(change) = equations.solve() {
-                step += change;
-            }
+        loss_scales_px.iter().fold(step, |step, &loss_scale_px| {
+            let problem = AlignmentAtScale { ridges: self, clicks, takes_part: &takes_part, loss_scale_px };
+            gauss_newton_step(&problem, &step).unwrap_or(step)
+        })
+    }
+}
+
+/// The alignment under one scale of the robust loss.
+struct AlignmentAtScale<'a, TakesPart> {
+    ridges: &'a RidgeAlignment<'a>,
+    clicks: Option<&'a ClickAlignment>,
+    /// Which samples take part.
+    takes_part: &'a TakesPart,
+    loss_scale_px: f64,
+}
+
+impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
+    type State = StepPx;
+    type Equations = BlockEquations<0, 3>;
+
+    fn equations(&self, step: &StepPx) -> BlockEquations<0, 3> {
+        let mut equations = BlockEquations::zero();
+        equations.own += Mat3::identity() * DAMPING;
+        for click in self.clicks.iter().flat_map(|clicks| &clicks.rows) {
+            equations.add(click, step, CLICK_LOSS);
         }
-        step
+        for sample in (0..self.ridges.num_samples()).filter(|sample| (self.takes_part)(*sample)) {
+            let ridge = NearestRidge { ridges: self.ridges, sample };
+            equations.add(&ridge, step, Loss::GemanMcClure { c: self.loss_scale_px / ridge.sigma() });
+        }
+        equations
+    }
+
+    fn stepped(&self, from: &StepPx, change: &StepPx) -> StepPx {
+        from + change
+    }
+}
+
+/// The ridge of a sample that is nearest to where a step has brought its line; a sample without ridges has no value.
+struct NearestRidge<'a> {
+    ridges: &'a RidgeAlignment<'a>,
+    sample: usize,
+}
+
+impl Residual<1, 0, 3> for NearestRidge<'_> {
+    type State = StepPx;
+
+    fn element(&self) -> Option<FieldElement> {
+        Some(FieldElement::Paint(self.ridges.sightings.samples[self.sample].line))
+    }
+
+    fn sigma(&self) -> f64 {
+        self.ridges.sigmas_px[self.sample]
+    }
+
+    /// Predicted less seen, −r of the page above.
+    fn value(&self, step: &StepPx) -> Option<Vector1<f64>> {
+        Some(Vector1::new(-self.ridges.residual_px(self.sample, step)?))
+    }
+
+    fn linearised(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
+        let by_own = self.ridges.by_step[self.sample].transpose();
+        Some(Linearised { value: self.value(step)?, by_shared: SMatrix::zeros(), by_own })
     }
 }
 
@@ -199,6 +226,8 @@ pub(super) struct ClickAlignment {
 
 /// One equation of a click: two for a landmark, one for a line.
 struct ClickRow {
+    /// What the click shows; none for a point that is no part of the field.
+    element: Option<FieldElement>,
     by_step: StepPx,
     /// From where the camera predicts the click to where it is.
     offset_px: f64,
@@ -208,6 +237,26 @@ struct ClickRow {
 impl ClickRow {
     fn residual_px(&self, step: &StepPx) -> f64 {
         self.offset_px - self.by_step.dot(step)
+    }
+}
+
+impl Residual<1, 0, 3> for ClickRow {
+    type State = StepPx;
+
+    fn element(&self) -> Option<FieldElement> {
+        self.element
+    }
+
+    fn sigma(&self) -> f64 {
+        self.sigma_px
+    }
+
+    fn value(&self, step: &StepPx) -> Option<Vector1<f64>> {
+        Some(Vector1::new(-self.residual_px(step)))
+    }
+
+    fn linearised(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
+        Some(Linearised { value: self.value(step)?, by_shared: SMatrix::zeros(), by_own: self.by_step.transpose() })
     }
 }
 
@@ -222,6 +271,7 @@ impl ClickAlignment {
             };
             for axis in 0..click.equations() {
                 rows.push(ClickRow {
+                    element: click.element,
                     by_step: around.by_step_from_by_ptz(by_ptz.row(axis).transpose()),
                     offset_px: -predicted_minus_click_px[axis],
                     sigma_px: click.sigma_px,
@@ -231,17 +281,51 @@ impl ClickAlignment {
         Self { rows }
     }
 
-    fn add_to(&self, equations: &mut NormalEquations, step: &StepPx) {
-        for row in &self.rows {
-            let residual_px = row.residual_px(step);
-            let (_, loss_weight) = CLICK_LOSS.of((residual_px / row.sigma_px).powi(2));
-            equations.add(&row.by_step, residual_px, loss_weight * row.sigma_px.powi(-2));
-        }
-    }
-
     /// Whether a step takes no click farther from its landmark or line than `sigmas` beyond its present distance.
     pub fn allows(&self, step: &StepPx, sigmas: f64) -> bool {
         let is_allowed = |row: &ClickRow| row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs();
         self.rows.iter().all(is_allowed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sightings::Look;
+    use super::*;
+    use crate::derivatives::assert_derivatives;
+    use crate::paint::GroundPicture;
+    use crate::paint::drawn::{PICTURE, SIZE, camera, soccer, truth};
+    use touchline_core::geometry::Vec2;
+
+    #[test]
+    fn ridges_and_clicks_change_with_a_step_as_their_derivatives_say() {
+        let (field, near) = (soccer(), camera(4.1, -14.05, 1504.0));
+        let look = Look { reach_px: 16.0, spacing_px: 60.0, step_px: 1.0 };
+        let sightings = Sightings::of(&GroundPicture::new(&PICTURE, &[]), &field, &near, look);
+        let around = LinearisedCamera::new(near.base(), near.ptz(), SIZE.width);
+        let ridges = RidgeAlignment::new(&around, &sightings, 1.0);
+        let from = StepPx::new(0.7, -0.4, 1.1);
+        let with_ridge = (0..ridges.num_samples()).filter(|sample| !sightings.ridges_at(*sample).is_empty());
+        for sample in with_ridge {
+            assert_derivatives(&NearestRidge { ridges: &ridges, sample }, |step| from + step, "ridge");
+        }
+        let world = field.landmark_in_world(field.landmark("centre_mark").unwrap());
+        let image = truth().image_from_world(world).unwrap().moved(Vec2::new(2.0, 1.0));
+        let clicks = ClickAlignment::new(&around, &[Observation::of_point(world, image, 1.5, 0)]);
+        assert_eq!(clicks.rows.len(), 2);
+        for (row, axis_in_image) in clicks.rows.iter().zip([Vec2::x(), Vec2::y()]) {
+            assert_derivatives(row, |step| from + step, "click");
+            // To first order, a step in px is the step of the camera itself.
+            let moved = |step: StepPx| {
+                let stepped = PtzCamera::new(*near.base(), around.ptz_after(&step));
+                let at = stepped.image_from_world(world).unwrap();
+                at.offset_from(near.image_from_world(world).unwrap()).dot(&axis_in_image)
+            };
+            for axis in 0..3 {
+                let h = StepPx::ith(axis, 1e-3);
+                let numeric = (moved(h) - moved(-h)) / 2e-3;
+                assert!((row.by_step[axis] - numeric).abs() < 1e-5, "{axis}: {} is not {numeric}", row.by_step[axis]);
+            }
+        }
     }
 }

@@ -18,9 +18,11 @@ mod agreement;
 mod alignment;
 mod check;
 mod colours;
+mod crossing;
 mod directions;
 #[cfg(test)]
 mod drawn;
+mod drawn_spot;
 mod error;
 mod evidence;
 mod find;

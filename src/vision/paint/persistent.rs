@@ -5,7 +5,7 @@ use super::strokes::{Shown, StrokePoint, Strokes};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_core::geometry::{ImagePoint, Vec3, subsample};
 
 /// The share of the frames showing ground in a direction that have to show paint there.
 const MIN_SHARE: f64 = 0.3;
@@ -38,7 +38,6 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
     let of_frame = |frame: usize| -> Vec<PersistentPoint> {
         let (camera, strokes) = &frames[frame];
         let others = others_of(frames, frame);
-        let every = strokes.points.len().div_ceil(ASKED).max(1);
         let keep = |stroke: &StrokePoint| {
             let direction = camera.world_direction_from_image(stroke.at).ok()?.try_normalize(0.0)?;
             let (mut seen, mut painted) = (1_usize, 1_usize);
@@ -52,7 +51,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
             let stays = painted >= needed && painted as f64 >= MIN_SHARE * seen as f64;
             stays.then_some(PersistentPoint { direction, frame, stroke: *stroke })
         };
-        strokes.points.iter().step_by(every).filter_map(keep).collect()
+        subsample(&strokes.points, ASKED).filter_map(keep).collect()
     };
     (0..frames.len()).into_par_iter().flat_map_iter(of_frame).collect()
 }

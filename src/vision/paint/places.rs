@@ -5,7 +5,7 @@ use super::sightings::Look;
 use super::{GroundPicture, Sightings};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::ImagePoint;
+use touchline_core::geometry::{ImagePoint, subsample};
 
 /// A place where the middle of a line's paint is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,9 +43,9 @@ pub fn paint_places(ground: &GroundPicture, field: &FieldModel, camera: &PtzCame
     }
     let kept = of_line.into_iter().enumerate().filter(|(_, places)| places.len() >= FEWEST_OF_LINE);
     let spread = |(line, places): (usize, Vec<ImagePoint>)| {
-        let every = places.len().div_ceil(MOST_OF_LINE);
-        let sigma_px = ridge_sigma_px(places.len().div_ceil(every) as u32, scale);
-        places.into_iter().step_by(every).map(move |image| PaintPlace { line, image, sigma_px })
+        let places = subsample(places, MOST_OF_LINE);
+        let sigma_px = ridge_sigma_px(places.len() as u32, scale);
+        places.map(move |image| PaintPlace { line, image, sigma_px })
     };
     kept.flat_map(spread).collect()
 }

@@ -4,15 +4,17 @@
 //! them. The camera may be a rough one: only the directions and the widths of the lines are taken from it.
 
 use super::GroundPicture;
-use super::across::{Across, Ridge};
-use super::placed_point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
+use super::across::Across;
+use super::crossing::{Course, CrossingAtScale, CrossingState, MOST_LINES, Place, meeting_point, residual_px};
+use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
 use super::ridge::RidgeFinder;
 use super::spot::snap_spot;
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::Matrix2;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
+use touchline_core::solve::{Problem, gauss_newton_step};
 
 /// The lines are followed this far from the landmark, px at 1920 px width.
 const FOLLOWED_PX: f64 = 90.0;
@@ -43,23 +45,8 @@ const SAME_PX: f64 = 4.0;
 const WITHIN_PX: f64 = 1.5;
 const WITHIN_SLOPE: f64 = 0.04;
 
-/// 1-σ of a line's direction in the picture, as the camera gives it, rad.
-const DIRECTION_SIGMA: f64 = 0.06;
-
-/// 1-σ of a ridge's offset on its own, px at 1920 px width.
-const RIDGE_SIGMA_PX: f64 = 0.6;
-
-/// Scales of the robust loss, one for each step, px at 1920 px width.
+/// Scales of the robust loss, one for each step, px at 1920 px width: far ridges are another line's.
 const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
-
-/// Lines that meet at less than this are one, as its sine.
-const LEAST_CROSSING: f64 = 0.15;
-
-/// At most this many lines meet.
-const MOST_LINES: usize = 3;
-
-/// Shift of the landmark, then turn and offset of each line: paint is not quite straight and not quite where the rule puts it.
-const PARAMETERS: usize = 2 + 2 * MOST_LINES;
 
 /// Moves a placed point to the corner or crossing of painted lines, or to the painted spot, that a landmark names; none where
 /// no two of the landmark's lines are seen near by and no spot, where it is open which ones are meant, or where the landmark is
@@ -110,33 +97,6 @@ struct Crossing<'a> {
     /// Its px by those of 1920 px width.
     scale: f64,
     reach_px: f64,
-}
-
-/// A place on a line where paint is seen.
-struct Place {
-    normal: Vec2,
-    /// How far along the line the landmark is, px.
-    along_px: f64,
-    ridges: Vec<Ridge>,
-}
-
-/// What is seen of one line.
-struct Course {
-    places: Vec<Place>,
-    /// Places with ridges, or with open ground and none.
-    open: usize,
-    /// The offset at the landmark that most places agree on, px.
-    offset_px: f64,
-    /// The line's normal at the landmark.
-    normal: Vec2,
-}
-
-impl Course {
-    /// The ridge at a place that is nearest to an offset.
-    fn nearest(place: &Place, offset_px: f64) -> Option<f64> {
-        let offsets = place.ridges.iter().map(|ridge| ridge.offset_px);
-        offsets.min_by(|a, b| (a - offset_px).abs().total_cmp(&(b - offset_px).abs()))
-    }
 }
 
 impl Crossing<'_> {
@@ -192,12 +152,10 @@ impl Crossing<'_> {
     /// The shift of the landmark on which the ridges of all lines agree, px, and its covariance; none where the lines do not
     /// cross or do not agree.
     fn solved(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
-        let mut state = SVector::<f64, PARAMETERS>::zeros();
-        let start = meeting_point(courses)?;
-        state.fixed_rows_mut::<2>(0).copy_from(&start);
+        let mut state = CrossingState::zeros();
+        state.fixed_rows_mut::<2>(0).copy_from(&meeting_point(courses)?);
         for scale_px in SCALES_PX {
-            let (matrix, gradient) = self.equations(courses, &state, scale_px * self.scale);
-            state += matrix.cholesky()?.solve(&gradient);
+            state = gauss_newton_step(&CrossingAtScale::new(courses, scale_px, self.scale), &state)?;
         }
         let shift = state.fixed_rows::<2>(0).into_owned();
         for (line, course) in courses.iter().enumerate() {
@@ -207,66 +165,10 @@ impl Crossing<'_> {
                 return None;
             }
         }
-        let (matrix, _) = self.equations(courses, &state, SCALES_PX[SCALES_PX.len() - 1] * self.scale);
-        let covariance = matrix.try_inverse()?.fixed_view::<2, 2>(0, 0).into_owned();
+        let equations = CrossingAtScale::new(courses, SCALES_PX[SCALES_PX.len() - 1], self.scale).equations(&state);
+        let covariance = equations.own.try_inverse()?.fixed_view::<2, 2>(0, 0).into_owned();
         Some((shift, covariance))
     }
-
-    fn equations(
-        &self,
-        courses: &[Course],
-        state: &SVector<f64, PARAMETERS>,
-        scale_px: f64,
-    ) -> (SMatrix<f64, PARAMETERS, PARAMETERS>, SVector<f64, PARAMETERS>) {
-        let mut matrix = SMatrix::<f64, PARAMETERS, PARAMETERS>::zeros();
-        let mut gradient = SVector::<f64, PARAMETERS>::zeros();
-        for line in 0..MOST_LINES {
-            for (of_line, sigma) in [DIRECTION_SIGMA, LINE_SIGMA_PX * self.scale].into_iter().enumerate() {
-                let parameter = 2 + 2 * line + of_line;
-                matrix[(parameter, parameter)] += sigma.powi(-2);
-                gradient[parameter] -= state[parameter] * sigma.powi(-2);
-            }
-        }
-        for (line, course) in courses.iter().enumerate() {
-            for place in &course.places {
-                let Some(residual) = residual_px(place, line, state) else { continue };
-                // Geman and McClure's weight: far ridges are another line's.
-                let weight = (RIDGE_SIGMA_PX * self.scale).powi(-2) / (1.0 + (residual / scale_px).powi(2)).powi(2);
-                let row = row(place, line);
-                matrix += row * row.transpose() * weight;
-                gradient += row * (residual * weight);
-            }
-        }
-        (matrix, gradient)
-    }
-}
-
-/// Where the two lines that cross at the widest angle meet.
-fn meeting_point(courses: &[Course]) -> Option<Vec2> {
-    let pairs =
-        courses.iter().enumerate().flat_map(|(index, one)| courses[..index].iter().map(move |other| (one, other)));
-    let crossing = |one: &Course, other: &Course| one.normal.perp(&other.normal);
-    let (one, other) = pairs.max_by(|a, b| crossing(a.0, a.1).abs().total_cmp(&crossing(b.0, b.1).abs()))?;
-    if crossing(one, other).abs() < LEAST_CROSSING {
-        return None;
-    }
-    let normals = Matrix2::from_rows(&[one.normal.transpose(), other.normal.transpose()]);
-    Some(normals.try_inverse()? * Vec2::new(one.offset_px, other.offset_px))
-}
-
-/// The derivative of a ridge's offset by the parameters.
-fn row(place: &Place, line: usize) -> SVector<f64, PARAMETERS> {
-    let mut row = SVector::<f64, PARAMETERS>::zeros();
-    row.fixed_rows_mut::<2>(0).copy_from(&place.normal);
-    row[2 + 2 * line] = place.along_px;
-    row[3 + 2 * line] = 1.0;
-    row
-}
-
-/// How far the nearest ridge of a place lies from its line, px.
-fn residual_px(place: &Place, line: usize, state: &SVector<f64, PARAMETERS>) -> Option<f64> {
-    let expected_px = row(place, line).dot(state);
-    Course::nearest(place, expected_px).map(|offset_px| offset_px - expected_px)
 }
 
 #[cfg(test)]

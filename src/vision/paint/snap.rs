@@ -34,6 +34,7 @@ use super::sightings::Look;
 use super::{GroundPicture, LineCheck, Sightings, SnapError};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
+use touchline_core::geometry::{stride_of_subsample, subsample};
 use touchline_core::solve::{Observation, SolveError, Uncertainty};
 
 /// How a camera is snapped. Lengths are px at 1920 px width.
@@ -275,10 +276,9 @@ impl Problem<'_> {
         taking_part: &[(usize, f64)],
     ) -> Result<Uncertainty, SolveError> {
         let sigmas_px = sample_sigmas_px(&fit.seen, self.scale);
-        let every = taking_part.len().div_ceil(UNCERTAINTY_SAMPLES).max(1);
         // A few samples stand for all: each weighs as much as those it stands for.
-        let stands_for = (every as f64).sqrt();
-        let of_paint = taking_part.iter().step_by(every).filter_map(|(index, _)| {
+        let stands_for = (stride_of_subsample(taking_part.len(), UNCERTAINTY_SAMPLES) as f64).sqrt();
+        let of_paint = subsample(taking_part, UNCERTAINTY_SAMPLES).filter_map(|(index, _)| {
             let sample = &fit.seen.samples[*index];
             let image = camera.image_from_world(sample.at).ok()?;
             Observation::of_paint(self.field, sample.line, image, sigmas_px[*index] / stands_for, *index)

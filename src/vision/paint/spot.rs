@@ -5,29 +5,15 @@
 //! most of it. Another place that explains nearly as much, or paint of another shape, gives no result.
 
 use super::GroundPicture;
+use super::drawn_spot::{DrawnSpot, Shape, SpotProblem};
 use super::placed_point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
-use nalgebra::{Matrix2, Matrix4, Vector4};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, Landmark};
-use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
+use touchline_core::geometry::{ImagePoint, Vec2};
+use touchline_core::solve::{Equations, Problem};
 
 /// Spots are painted as large as the rule says times one of these.
 const SIZES: [f64; 4] = [0.7, 0.85, 1.0, 1.3];
-
-/// A spot covers at least this many pixels across its narrow side, px; smaller ones are noise.
-const NARROWEST_PX: f64 = 1.1;
-
-/// A spot larger than this is none that a click is meant to hit, px at 1920 px width.
-const WIDEST_PX: f64 = 80.0;
-
-/// The standard deviation of the blur of optics, compression and the pixels themselves, px.
-const BLUR_PX: f64 = 0.8;
-
-/// The picture is compared this far around the spot, px.
-const AROUND_PX: f64 = 4.0;
-
-/// The places at which a spot is drawn before it is blurred, a px.
-const FINE: f64 = 4.0;
 
 /// The spot stands out from the ground by at least this, grey levels.
 const MIN_CONTRAST: f64 = 8.0;
@@ -54,8 +40,11 @@ const LEAST_NOISE: f64 = 1.5;
 /// Neighbouring pixels err together: as if only this share of them were seen.
 const INDEPENDENT: f64 = 0.25;
 
-/// How often the place is refined.
+/// How often the place is refined. The first time gives contrast and level alone: without contrast the place says nothing.
 const STEPS: usize = 6;
+
+/// Nor do these steps lead farther than this, px.
+const MAX_REFINEMENT_PX: f64 = 2.0;
 
 /// Moves a placed point to the spot that is painted around a landmark; none where it has none, or where the picture does not
 /// show it for certain. `camera` need not be exact: its scale and the direction it looks in are taken from it.
@@ -89,91 +78,6 @@ pub(super) fn snap_spot(
     (is_paint && is_certain).then(|| SnappedPoint { image: placed.moved(shift), sigma_px })
 }
 
-/// A spot and the lines through it as a camera sees them: how much of it covers each place around its middle.
-struct Shape {
-    /// Half of its extent in each direction, px.
-    half: [i32; 2],
-    /// From the picture to the ground.
-    metres_a_px: Matrix2<f64>,
-    columns: usize,
-    /// Rows of values between 0 and 1, [`FINE`] a px, around the middle.
-    covers: Vec<f32>,
-}
-
-impl Shape {
-    fn of(field: &FieldModel, camera: &PtzCamera, landmark: &Landmark, diameter_m: f64, scale: f64) -> Option<Self> {
-        let here = camera.image_from_world_jacobian(field.landmark_in_world(landmark)).ok()?;
-        let px_a_metre: Matrix2<f64> = here.by_world.fixed_columns::<2>(0).into_owned();
-        let metres_a_px = px_a_metre.try_inverse()?;
-        if !px_a_metre.iter().all(|value| value.is_finite()) {
-            return None;
-        }
-        // The extents of an ellipse along the picture's axes, and its narrow side.
-        let radius_m = 0.5 * diameter_m;
-        let extent = |axis: usize| radius_m * px_a_metre.row(axis).norm();
-        let narrow_px = 2.0 * radius_m * px_a_metre.svd(false, false).singular_values.min();
-        let (half_x, half_y) = (extent(0), extent(1));
-        if !(narrow_px >= NARROWEST_PX && half_x.max(half_y) <= 0.5 * WIDEST_PX * scale) {
-            return None;
-        }
-        let half = [half_x, half_y].map(|half| (half + AROUND_PX).ceil() as i32);
-        let lines = lines_through(field, landmark);
-        // A margin for the blur and for places between pixels.
-        let cells = half.map(|half| 2 * ((f64::from(half) + 4.0) * FINE) as usize + 1);
-        let at = |cell: usize, cells: usize| (cell as f64 - (cells / 2) as f64) / FINE;
-        let covered = |index: usize| {
-            let px = Vec2::new(at(index % cells[0], cells[0]), at(index / cells[0], cells[1]));
-            let metres = metres_a_px * px;
-            let world = landmark.nominal_m + Vec3::new(metres.x, metres.y, 0.0);
-            let on_line = |line: &usize| {
-                let line = &field.lines[*line];
-                line.paint_centre.distance_m(world) <= 0.5 * line.width_m
-            };
-            f32::from(u8::from(metres.norm() <= radius_m || lines.iter().any(on_line)))
-        };
-        let sharp: Vec<f32> = (0..cells[0] * cells[1]).map(covered).collect();
-        Some(Self { half, metres_a_px, columns: cells[0], covers: blurred(&sharp, cells[0]) })
-    }
-
-    /// How much of a place is covered, `off` from the spot's middle.
-    fn covers(&self, off: Vec2) -> f64 {
-        let rows = self.covers.len() / self.columns;
-        let x = (off.x * FINE + (self.columns / 2) as f64).clamp(0.0, (self.columns - 2) as f64);
-        let y = (off.y * FINE + (rows / 2) as f64).clamp(0.0, (rows - 2) as f64);
-        let (column, row) = (x as usize, y as usize);
-        let (share_x, share_y) = (x - column as f64, y - row as f64);
-        let value = |row: usize, column: usize| f64::from(self.covers[row * self.columns + column]);
-        let along = |row: usize| value(row, column) * (1.0 - share_x) + value(row, column + 1) * share_x;
-        along(row) * (1.0 - share_y) + along(row + 1) * share_y
-    }
-}
-
-/// Blurred by [`BLUR_PX`]; outside lies what lies at the border.
-fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
-    let sigma = BLUR_PX * FINE;
-    let reach = (3.0 * sigma).ceil() as isize;
-    let weights: Vec<f32> = (-reach..=reach).map(|at| (-0.5 * (at as f64 / sigma).powi(2)).exp() as f32).collect();
-    let sum: f32 = weights.iter().sum();
-    let rows = sharp.len() / columns;
-    let pass = |of: &[f32], along_rows: bool| -> Vec<f32> {
-        let value = |row: usize, column: usize, by: isize| {
-            let moved = |at: usize, count: usize| at.saturating_add_signed(by).min(count - 1);
-            if along_rows {
-                of[row * columns + moved(column, columns)]
-            } else {
-                of[moved(row, rows) * columns + column]
-            }
-        };
-        let blurred = |index: usize| {
-            let (row, column) = (index / columns, index % columns);
-            let weighed = weights.iter().zip(-reach..=reach).map(|(weight, by)| weight * value(row, column, by));
-            weighed.sum::<f32>() / sum
-        };
-        (0..of.len()).map(blurred).collect()
-    };
-    pass(&pass(sharp, true), false)
-}
-
 /// A shape laid over a picture at every place within reach.
 struct Look {
     placed: ImagePoint,
@@ -192,6 +96,8 @@ struct Fit {
 /// How much of some pixels a shape explains.
 struct Explained {
     contrast: f64,
+    /// The grey level where the shape covers nothing.
+    level: f64,
     /// Squares about the mean that it explains, and all.
     squares: f64,
     about_mean: f64,
@@ -255,61 +161,51 @@ impl Look {
         let of_covers = covers_2 - covers * covers / count;
         let together = both - covers * greys / count;
         let contrast = if of_covers > 0.0 { together / of_covers } else { 0.0 };
-        Explained { contrast, squares: contrast * together, about_mean: greys_2 - greys * greys / count }
+        Explained {
+            contrast,
+            level: (greys - contrast * covers) / count,
+            squares: contrast * together,
+            about_mean: greys_2 - greys * greys / count,
+        }
     }
 
     /// The place between pixels, its σ, and what speaks for it; none where places `beside_px` away are nearly as good.
     fn refined(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
-        const DIRECTIONS: u32 = 16;
-        const BY: f64 = 0.25;
         let seen = self.pixels(ground, from.shift);
         let count = seen.len() as f64;
-        let mean = seen.iter().map(|(_, grey)| grey).sum::<f64>() / count;
-        let about_mean = self.explained(&seen, Vec2::zeros()).about_mean;
-        let (mut by, mut contrast, mut level) = (Vec2::zeros(), 0.0, mean);
+        let Explained { contrast, level, about_mean, .. } = self.explained(&seen, Vec2::zeros());
+        let problem = SpotProblem { shape: &self.shape, pixels: &seen };
+        let mut spot = DrawnSpot { by: Vec2::zeros(), contrast, level };
         let mut result = None;
-        for step in 0..STEPS {
-            let (mut matrix, mut gradient, mut left) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-            for (off, grey) in &seen {
-                let off = off - by;
-                let covers = |x: f64, y: f64| self.shape.covers(off + Vec2::new(x, y));
-                let slope =
-                    Vec2::new(covers(BY, 0.0) - covers(-BY, 0.0), covers(0.0, BY) - covers(0.0, -BY)) / (2.0 * BY);
-                let here = covers(0.0, 0.0);
-                let residual = grey - level - contrast * here;
-                let row = Vector4::new(-contrast * slope.x, -contrast * slope.y, here, 1.0);
-                matrix += row * row.transpose();
-                gradient += row * residual;
-                left += residual * residual;
-            }
-            if step == 0 {
-                // Contrast and level first: without contrast the place says nothing.
-                let levels = matrix.fixed_view::<2, 2>(2, 2).into_owned().try_inverse()? * gradient.fixed_rows::<2>(2);
-                (contrast, level) = (contrast + levels.x, level + levels.y);
-                continue;
-            }
-            let inverse = matrix.try_inverse()?;
+        for _ in 1..STEPS {
+            let equations = problem.equations(&spot);
+            let inverse = equations.own.try_inverse()?;
+            let left = equations.cost();
             let noise_2 = (left / count).max(LEAST_NOISE.powi(2)) / INDEPENDENT;
             let sigma_px = (noise_2 * 0.5 * (inverse[(0, 0)] + inverse[(1, 1)])).sqrt();
             let explained = if about_mean > 0.0 { 1.0 - left / about_mean } else { 0.0 };
-            result = Some(Refined { shift: from.shift + by, sigma_px, contrast, explained });
-            let moved = inverse * gradient;
-            by += moved.fixed_rows::<2>(0).map(|by| by.clamp(-1.0, 1.0));
-            (contrast, level) = (contrast + moved[2], level + moved[3]);
-            if !(by.norm() <= 2.0) {
+            result = Some(Refined { shift: from.shift + spot.by, sigma_px, contrast: spot.contrast, explained });
+            spot = problem.stepped(&spot, &equations.step(0.0)?);
+            if !(spot.by.norm() <= MAX_REFINEMENT_PX) {
                 return None;
             }
         }
+        result.filter(|_| self.is_much_worse_beside(&seen, spot.by, beside_px))
+    }
+
+    /// Whether the shape leaves much more of the squares wherever it is moved `beside_px` from a place.
+    fn is_much_worse_beside(&self, pixels: &[(Vec2, f64)], by: Vec2, beside_px: f64) -> bool {
+        const DIRECTIONS: u32 = 16;
+        let noise = pixels.len() as f64 * LEAST_NOISE.powi(2);
         let left = |by: Vec2| {
-            let explained = self.explained(&seen, by);
-            explained.about_mean - explained.squares + count * LEAST_NOISE.powi(2)
+            let explained = self.explained(pixels, by);
+            explained.about_mean - explained.squares + noise
         };
-        let mut directions = (0..DIRECTIONS).map(|index| {
-            let (y, x) = (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
-            by + Vec2::new(x, y) * beside_px
-        });
         let least = MUCH_WORSE * left(by);
-        if directions.all(|beside| left(beside) >= least) { result } else { None }
+        (0..DIRECTIONS).all(|index| {
+            let (y, x) = (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
+            left(by + Vec2::new(x, y) * beside_px) >= least
+        })
     }
 
     /// Whether most of what surrounds the spot is ground.

@@ -16,7 +16,7 @@
 use super::nearest_references::nearest;
 use super::{RayMatches, SeenRange};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, subsample};
 use touchline_core::solve::covariance_of_four_points;
 
 /// References that an answer may rest on: those nearest to it.
@@ -42,8 +42,7 @@ pub(super) fn label_covariance(
     let near = nearest(ptz, &seen.cameras, NEAREST);
     let references: Vec<PtzCamera> = near.iter().map(|&number| PtzCamera::new(at_base, seen.cameras[number])).collect();
     let mut shares = vec![0.0; references.len()];
-    let every = inliers.len().div_ceil(FEATURES).max(1);
-    for &feature in inliers.iter().step_by(every) {
+    for &feature in subsample(inliers, FEATURES) {
         let Some((_, ray)) = matches.nearest(&camera, feature) else { continue };
         let shows = |reference: &PtzCamera| {
             reference.image_from_world(ray).is_ok_and(|image: ImagePoint| image_size.contains(image))

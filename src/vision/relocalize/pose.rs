@@ -33,7 +33,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, median_high};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, median_high, subsample};
 use touchline_core::score::median_rayleigh;
 use touchline_core::solve::{Loss, Observation, Uncertainty, covariance_in_radians, refine_until};
 
@@ -249,8 +249,8 @@ fn refine_over_all(
             let inliers = near.into_iter().map(|(feature, _)| feature).collect();
             return Some(Refinement { ptz, inliers, sigma_px, rms_px });
         }
-        let every = if round + 1 < ROUNDS { near.len().div_ceil(FEATURES_AT_FIRST) } else { 1 };
-        let some = near.iter().step_by(every).map(|(feature, _)| *feature);
+        let most = if round + 1 < ROUNDS { FEATURES_AT_FIRST } else { near.len() };
+        let some = subsample(&near, most).map(|(feature, _)| *feature);
         let observations = matches.observations(&camera, some, sigma_px);
         ptz = refine_until(base, ptz, &observations, Loss::Cauchy { c: CAUCHY }, None, ENOUGH).ptz;
         within_px = (INLIER_SIGMAS * sigma_px).min(widest_px);

@@ -1,9 +1,8 @@
-//! The least-squares problem of frames tied to each other: every match is one direction, seen by two frames.
+//! The least-squares problem of frames tied to each other where no base is known: every match is one direction, seen by two frames.
 
 use super::Tie;
-use super::anchor_residual::Hold;
 use super::axis::{USUAL_TILT, upright_from_common};
-use super::tie_residual::{Sight, View, by_turn};
+use super::tie_residual::{MatchJacobian, View};
 use nalgebra::{DVector, Vector1};
 use touchline_core::camera::{FocalCurve, PanTilt, Ptz};
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt};
@@ -46,8 +45,6 @@ pub(super) struct Tied<'a> {
     pub sigma: [f64; 2],
     /// Whether the mean of the focal lengths' logarithms stays.
     pub fixed_scale: bool,
-    /// What is known of the frames where their base is; none where only the ties are.
-    pub held: Option<&'a [Hold]>,
 }
 
 #[derive(Clone, Debug)]
@@ -57,7 +54,7 @@ pub(super) struct TiedState {
 }
 
 /// The parameters of the lens stand first.
-pub(super) const LENS: usize = 2;
+const LENS: usize = 2;
 
 impl Problem for Tied<'_> {
     type State = TiedState;
@@ -70,39 +67,24 @@ impl Problem for Tied<'_> {
             let frames = [tie.first, tie.second];
             let [one, other] = frames.map(|frame| &at.views[frame]);
             for (first, second) in &tie.matches {
-                let sights = (one.sight(*first, &at.lens), other.sight(*second, &at.lens));
-                let (Some(here), Some(there)) = sights else {
+                let seen = MatchJacobian::new([one, other], [&at.lens, &at.lens], [*first, *second]);
+                let Some(seen) = seen else {
                     equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
                     continue;
                 };
-                let ranges_px = [one.range_px(*first), other.range_px(*second)];
-                let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
-                let value = (here.direction - there.direction) * range_px;
                 let mut by = Vec::with_capacity(LENS + 8);
-                let by_k1 = |sight: &Sight, view: &View| {
-                    let kilo_px = (view.focal_px - at.lens.at_focal_px) / 1000.0;
-                    [sight.by_k1, sight.by_k1 * kilo_px]
-                };
-                let (by_here, by_there) = (by_k1(&here, one), by_k1(&there, other));
-                by.extend((0..LENS).map(|at| (at, (by_here[at] - by_there[at]) * range_px)));
-                for (side, (view, sight, sign)) in [(one, &here, 1.0), (other, &there, -1.0)].into_iter().enumerate() {
-                    let first = LENS + own * frames[side];
-                    let weight = sign * range_px;
+                by.extend(seen.by_lens.into_iter().enumerate());
+                for (frame, by_frame) in frames.into_iter().zip(&seen.by_frame) {
+                    let first = LENS + own * frame;
                     match self.freedom {
                         Freedom::Any => {
-                            let turn = by_turn(sight.direction) * weight;
-                            by.extend((0..3).map(|axis| (first + axis, turn.column(axis).into_owned())));
+                            by.extend((0..3).map(|axis| (first + axis, by_frame.turn.column(axis).into_owned())));
                         }
-                        Freedom::PanTilt => {
-                            let axes = view.pan_and_tilt_axes().into_iter().enumerate();
-                            by.extend(axes.map(|(at, axis)| (first + at, axis.cross(&sight.direction) * weight)));
-                        }
+                        Freedom::PanTilt => by.extend([(first, by_frame.pan), (first + 1, by_frame.tilt)]),
                     }
-                    // The focal length is also part of the measure of the distance.
-                    let of_measure = 0.5 * (view.focal_px / ranges_px[side]).powi(2);
-                    by.push((first + own - 1, sight.by_log_focal * weight + value * of_measure));
+                    by.push((first + own - 1, by_frame.log_focal));
                 }
-                equations.add(&value, self.px, &by, self.loss);
+                equations.add(&seen.value_px, self.px, &by, self.loss);
             }
         }
         self.add_priors(at, &mut equations);
@@ -144,13 +126,6 @@ impl Tied<'_> {
         let off = [at.lens.value - self.expected.value, at.lens.per_1000_px - self.expected.per_1000_px];
         for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
             equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
-        }
-        if let Some(held) = self.held {
-            let ptz = at.ptz();
-            for hold in held {
-                hold.add(ptz[hold.frame], LENS + own * hold.frame, equations);
-            }
-            return;
         }
         let gauge = match self.freedom {
             Freedom::Any => 0..3,

@@ -1,8 +1,8 @@
 //! A match of two frames: the directions in which both see it should be the same.
 
 use nalgebra::Matrix3x2;
-use touchline_core::camera::{FocalCurve, PanTilt, undistort};
-use touchline_core::geometry::rotation::skew;
+use touchline_core::camera::{CameraBase, FocalCurve, PanTilt, Ptz, undistort};
+use touchline_core::geometry::rotation::{q_pan, q_tilt, skew};
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 
 /// A frame of a camera that turns and zooms about one place.
@@ -24,6 +24,12 @@ pub(super) struct Sight {
 }
 
 impl View {
+    /// A frame of a camera that stands on its base; the common frame is the base's.
+    pub fn of_camera(base: &CameraBase, ptz: Ptz) -> Self {
+        let cam_from_common = q_tilt(ptz.tilt) * q_pan(ptz.pan);
+        Self { cam_from_common, focal_px: ptz.focal_px, principal_point: base.principal_point }
+    }
+
     /// Where a point of the picture lies in the common frame; none beyond the fold of the lens.
     pub fn sight(&self, at: ImagePoint, lens: &FocalCurve) -> Option<Sight> {
         let radial = lens.radial_at(self.focal_px);
@@ -66,11 +72,62 @@ pub(super) fn by_turn(direction: Vec3) -> Mat3 {
     skew(direction)
 }
 
+/// How far apart two frames see the two points of a match, px, and how that changes.
+///
+/// The difference of the directions is measured at the geometric mean of the two points' distances from the eye.
+pub(super) struct MatchJacobian {
+    pub value_px: Vec3,
+    /// By k₁ and by its slope per 1000 px.
+    pub by_lens: [Vec3; 2],
+    /// By the first and by the second frame.
+    pub by_frame: [MatchByFrame; 2],
+}
+
+/// The change with one of the two frames, px/rad; with the logarithm of its focal length, px.
+pub(super) struct MatchByFrame {
+    /// With turns about the common frame's own axes, applied before the frame's rotation.
+    pub turn: Mat3,
+    pub pan: Vec3,
+    pub tilt: Vec3,
+    pub log_focal: Vec3,
+}
+
+impl MatchJacobian {
+    /// The points of a match, each as one of two frames shows it; none beyond the fold of a lens.
+    pub fn new(views: [&View; 2], lenses: [&FocalCurve; 2], at: [ImagePoint; 2]) -> Option<Self> {
+        let [one, other] = views;
+        let (here, there) = (one.sight(at[0], lenses[0])?, other.sight(at[1], lenses[1])?);
+        let ranges_px = [one.range_px(at[0]), other.range_px(at[1])];
+        let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
+        let value_px = (here.direction - there.direction) * range_px;
+        let by_k1 = |view: &View, sight: &Sight, lens: &FocalCurve| {
+            [sight.by_k1, sight.by_k1 * ((view.focal_px - lens.at_focal_px) / 1000.0)]
+        };
+        let (by_here, by_there) = (by_k1(one, &here, lenses[0]), by_k1(other, &there, lenses[1]));
+        let by_frame = |view: &View, sight: &Sight, own_range_px: f64, weight: f64| {
+            let [pan_axis, tilt_axis] = view.pan_and_tilt_axes();
+            // The focal length is also part of the measure of the distance.
+            let of_measure = 0.5 * (view.focal_px / own_range_px).powi(2);
+            MatchByFrame {
+                turn: by_turn(sight.direction) * weight,
+                pan: pan_axis.cross(&sight.direction) * weight,
+                tilt: tilt_axis.cross(&sight.direction) * weight,
+                log_focal: sight.by_log_focal * weight + value_px * of_measure,
+            }
+        };
+        Some(Self {
+            value_px,
+            by_lens: [0, 1].map(|of_lens| (by_here[of_lens] - by_there[of_lens]) * range_px),
+            by_frame: [by_frame(one, &here, ranges_px[0], range_px), by_frame(other, &there, ranges_px[1], -range_px)],
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use touchline_core::geometry::Angle;
-    use touchline_core::geometry::rotation::{from_rotation_vector, q_pan, q_tilt};
+    use touchline_core::geometry::rotation::from_rotation_vector;
 
     fn view(pan: f64, tilt: f64, log_focal: f64) -> View {
         let cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
@@ -102,6 +159,44 @@ mod tests {
                 View { cam_from_common: turned, ..from }.sight(at, &lens).unwrap()
             });
             assert!((by - by_turn(here.direction).column(axis)).norm() < 1e-8, "axis {axis}");
+        }
+    }
+
+    #[test]
+    fn a_match_changes_with_lens_and_frames_as_its_derivatives_say() {
+        let lens = FocalCurve { at_focal_px: 2000.0, value: -0.07, per_1000_px: 0.21, ..FocalCurve::NONE };
+        let at = [ImagePoint::new(1700.0, 130.0), ImagePoint::new(640.0, 210.0)];
+        let steps = [[0.3, -0.2, 0.0], [0.6, -0.19, 0.15]];
+        let views = |steps: [[f64; 3]; 2]| steps.map(|[pan, tilt, log_focal]| view(pan, tilt, log_focal));
+        let jacobian =
+            |[one, other]: [View; 2], lens: FocalCurve| MatchJacobian::new([&one, &other], [&lens, &lens], at).unwrap();
+        let here = jacobian(views(steps), lens);
+        let agrees = |analytic: Vec3, of: &dyn Fn(f64) -> MatchJacobian, what: &str| {
+            let numeric = (of(1e-6).value_px - of(-1e-6).value_px) / 2e-6;
+            assert!((analytic - numeric).norm() < 1e-4, "{what}: {analytic} is not {numeric}");
+        };
+        let with_k1 = |by: f64| jacobian(views(steps), FocalCurve { value: lens.value + by, ..lens });
+        let with_slope = |by: f64| jacobian(views(steps), FocalCurve { per_1000_px: lens.per_1000_px + by, ..lens });
+        agrees(here.by_lens[0], &with_k1, "k1");
+        agrees(here.by_lens[1], &with_slope, "slope of k1");
+        for (frame, by) in here.by_frame.iter().enumerate() {
+            for (parameter, analytic) in [by.pan, by.tilt, by.log_focal].into_iter().enumerate() {
+                let stepped = |step: f64| {
+                    let mut steps = steps;
+                    steps[frame][parameter] += step;
+                    jacobian(views(steps), lens)
+                };
+                agrees(analytic, &stepped, &format!("frame {frame}, pan, tilt or zoom {parameter}"));
+            }
+            for axis in 0..3 {
+                let turned = |step: f64| {
+                    let mut views = views(steps);
+                    let turn = from_rotation_vector(Vec3::ith(axis, step));
+                    views[frame].cam_from_common *= turn;
+                    jacobian(views, lens)
+                };
+                agrees(by.turn.column(axis).into_owned(), &turned, &format!("frame {frame}, turn {axis}"));
+            }
         }
     }
 }

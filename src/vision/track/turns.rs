@@ -96,7 +96,6 @@ pub fn adjust_turns(
         expected,
         sigma: [options.k1_sigma, options.slope_sigma / px],
         fixed_scale,
-        held: None,
     };
     let start = FOCAL_WIDTHS.iter().map(|widths| {
         let focal_px = widths * f64::from(image_size.width);

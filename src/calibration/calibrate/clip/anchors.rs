@@ -6,7 +6,7 @@ use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameStatus, SolutionSource};
 use touchline_vision::relocalize::CERTAIN;
-use touchline_vision::track::{Anchor, AnchorSource, ClipCamera};
+use touchline_vision::track::{ClipCamera, PosePrior, PriorSource};
 
 /// What is known of a clip's frames, and how certain the most certain of it is.
 pub(super) fn anchors(
@@ -14,7 +14,7 @@ pub(super) fn anchors(
     clip: &ClipFrames,
     field: &FieldModel,
     camera: &ClipCamera,
-) -> Vec<(Anchor, f64)> {
+) -> Vec<(PosePrior, f64)> {
     let frames =
         clip.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
     frames.filter_map(|(at, frame)| of_frame(frame, at, field, &camera.base_at(at))).collect()
@@ -43,18 +43,18 @@ fn is_persons(frame: &Frame) -> bool {
     frame.status == FrameStatus::Reference || frame.is_solved_by_clicks()
 }
 
-fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> Option<(Anchor, f64)> {
+fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> Option<(PosePrior, f64)> {
     let confidence = confidence_of(frame)?;
     let ptz = frame.ptz.as_ref()?.ptz();
     let camera = PtzCamera::new(*base, ptz);
     let covariance = own_covariance(frame, &camera, Some(field));
-    let by = match frame.source() {
-        _ if is_persons(frame) => AnchorSource::Person,
+    let source = match frame.source() {
+        _ if is_persons(frame) => PriorSource::Person,
         // Aligned to the painted lines, whoever found it.
-        Some(SolutionSource::Markings) => AnchorSource::Paint,
-        _ => AnchorSource::Proposal,
+        Some(SolutionSource::Markings) => PriorSource::Paint,
+        _ => PriorSource::Proposal,
     };
-    Some((Anchor { frame: at, ptz, covariance, by }, confidence))
+    Some((PosePrior::from_covariance(at, ptz, &covariance, source), confidence))
 }
 
 #[cfg(test)]

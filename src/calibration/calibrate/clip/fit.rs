@@ -18,7 +18,7 @@ use touchline_core::markings::LineVerdict;
 use touchline_core::progress::Progress;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::{GroundPicture, LineCheck, check_lines};
-use touchline_vision::track::{AdjustedClip, Anchor, AnchorSource, Carried, ClipCamera, PointTracks, adjust_clip};
+use touchline_vision::track::{AdjustedClip, Carried, ClipCamera, PointTracks, PosePrior, PriorSource, adjust_clip};
 
 /// Rounds of paint and adjustment at most.
 const MAX_ROUNDS: usize = 3;
@@ -36,7 +36,7 @@ pub(super) struct ClipFit<'a> {
     pub tracks: &'a PointTracks,
     pub carried: &'a Carried,
     /// The cameras that the document knows.
-    pub known: &'a [Anchor],
+    pub known: &'a [PosePrior],
     pub pictures: ClipPictures<'a>,
     /// Whether the field's size was found from the paint. One that was assumed or typed may be another's.
     pub is_size_fitted: bool,
@@ -77,7 +77,7 @@ impl ClipFit<'_> {
         for _ in 0..if self.options.paint_every > 0 { MAX_ROUNDS } else { 0 } {
             let asked = self.frames_to_ask(&adjusted);
             let found = self.pictures.ask_paint(reader, (self.field, self.camera), &asked, evidence, progress)?;
-            let aligned: BTreeMap<usize, Anchor> = found
+            let aligned: BTreeMap<usize, PosePrior> = found
                 .into_iter()
                 .filter_map(|(frame, says)| if let Painted::Snapped(at) = says { Some((frame, at)) } else { None })
                 .collect();
@@ -97,14 +97,15 @@ impl ClipFit<'_> {
     /// Adjusts all frames to the points, the known cameras and those aligned to paint.
     fn adjust(
         &self,
-        aligned: &BTreeMap<usize, Anchor>,
+        aligned: &BTreeMap<usize, PosePrior>,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<AdjustedClip, TrackClipError> {
         report(progress, ClipProgress::Adjusting)?;
         // Paint of one picture counts once, however often it was asked.
-        let is_same_paint = |anchor: &Anchor| anchor.by == AnchorSource::Paint && aligned.contains_key(&anchor.frame);
+        let is_same_paint =
+            |anchor: &PosePrior| anchor.source == PriorSource::Paint && aligned.contains_key(&anchor.frame);
         let known = self.known.iter().filter(|anchor| !is_same_paint(anchor));
-        let mut anchors: Vec<Anchor> = known.chain(aligned.values()).copied().collect();
+        let mut anchors: Vec<PosePrior> = known.chain(aligned.values()).copied().collect();
         share_alike(&mut anchors, self.pictures.size);
         let undetermined = TrackClipError::Undetermined { frames: self.pictures.clip.frames.len() };
         adjust_clip(self.camera, self.tracks, self.carried, &anchors, &self.options.adjust).ok_or(undetermined)
@@ -118,8 +119,8 @@ impl ClipFit<'_> {
     }
 
     /// The cameras that frames had before and that no person gave them.
-    fn earlier(&self) -> impl Iterator<Item = &Anchor> {
-        self.known.iter().filter(|anchor| anchor.by != AnchorSource::Person)
+    fn earlier(&self) -> impl Iterator<Item = &PosePrior> {
+        self.known.iter().filter(|anchor| anchor.source != PriorSource::Person)
     }
 
     /// How far a frame moved at most from one adjustment to another, px at 1920 px width.

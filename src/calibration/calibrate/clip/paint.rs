@@ -6,7 +6,7 @@ use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_core::markings::LineVerdict;
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, SnapOptions, check_lines, snap};
-use touchline_vision::track::{Anchor, AnchorSource};
+use touchline_vision::track::{PosePrior, PriorSource};
 
 /// A picture of a clip with what covers it.
 pub(super) struct MaskedPicture {
@@ -18,7 +18,7 @@ pub(super) struct MaskedPicture {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Painted {
     /// It is here.
-    Snapped(Anchor),
+    Snapped(PosePrior),
     /// Not where the camera puts it.
     Contradicts,
     /// Nothing certain.
@@ -31,17 +31,17 @@ const REACH_PX: f64 = 16.0;
 /// Frames that show the same err by the same where one source speaks for them: the unevenness of paint stays, and all answers of a
 /// forest repeat the errors of the references that they were read off. Together they say no more than one of them, so each counts for
 /// less by as many as show what it shows. What people clicked errs by itself in each frame.
-pub(super) fn share_alike(anchors: &mut [Anchor], size: ImageSize) {
-    for source in [AnchorSource::Paint, AnchorSource::Proposal] {
+pub(super) fn share_alike(anchors: &mut [PosePrior], size: ImageSize) {
+    for source in [PriorSource::Paint, PriorSource::Proposal] {
         share_alike_of(source, anchors, size);
     }
 }
 
-fn share_alike_of(source: AnchorSource, anchors: &mut [Anchor], size: ImageSize) {
-    let cameras: Vec<Ptz> = anchors.iter().filter(|it| it.by == source).map(|anchor| anchor.ptz).collect();
-    for anchor in anchors.iter_mut().filter(|anchor| anchor.by == source) {
+fn share_alike_of(source: PriorSource, anchors: &mut [PosePrior], size: ImageSize) {
+    let cameras: Vec<Ptz> = anchors.iter().filter(|it| it.source == source).map(|anchor| anchor.ptz).collect();
+    for anchor in anchors.iter_mut().filter(|anchor| anchor.source == source) {
         let alike: f64 = cameras.iter().map(|other| overlap(anchor.ptz, *other, size)).sum();
-        anchor.covariance *= alike.max(1.0);
+        anchor.information /= alike.max(1.0);
     }
 }
 
@@ -65,12 +65,8 @@ impl Painted {
         let ground = GroundPicture::new(picture, masks);
         let options = SnapOptions { reach_px: REACH_PX, ..SnapOptions::default() };
         if let Ok(snapped) = snap(&ground, field, base, ptz, &[], &options) {
-            return Self::Snapped(Anchor {
-                frame,
-                ptz: snapped.ptz,
-                covariance: snapped.uncertainty.clicks,
-                by: AnchorSource::Paint,
-            });
+            let covariance = &snapped.uncertainty.clicks;
+            return Self::Snapped(PosePrior::from_covariance(frame, snapped.ptz, covariance, PriorSource::Paint));
         }
         let check = check_lines(&ground, field, &PtzCamera::new(*base, ptz));
         if check.verdict() == LineVerdict::Contradicts { Self::Contradicts } else { Self::Open }

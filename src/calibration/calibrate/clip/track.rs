@@ -18,7 +18,7 @@ use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{DocumentAt, FieldSize, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::track::{
-    AdjustedClip, Anchor, Carried, CarryStop, ClipCamera, ClipLens, Jitter, SmoothOptions, Unsmoothed, carry, smooth,
+    AdjustedClip, Carried, CarryStop, ClipCamera, ClipLens, Jitter, PosePrior, SmoothOptions, Unsmoothed, carry, smooth,
 };
 
 /// Where the field is as long as it is taken for, less of a picture's paint lies on no line: at most 0.17 in 568 frames of three
@@ -127,7 +127,7 @@ pub fn track_clip(
     let pictures = ClipPictures { at, clip, size };
     let tracks = pictures.follow_points(reader, options.follow, evidence, progress)?;
     evidence.with_camera(&camera);
-    let anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
+    let anchors: Vec<PosePrior> = known.iter().map(|(anchor, _)| *anchor).collect();
     let carried = carry(&camera, &tracks, &anchors, &options.carry);
     let spec = document.field_of_camera(&clip.camera);
     let is_size_fitted = *spec.size() == FieldSize::Fitted;

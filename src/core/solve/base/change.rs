@@ -13,7 +13,7 @@ use super::parameters::{K1, OF_BASE, ROTATION, Shared};
 use super::shared_prior::near;
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::FieldModel;
-use crate::geometry::{Angle, median_high};
+use crate::geometry::{Angle, median_high, subsample};
 use crate::solve::least_squares::{BlockEquations, Stopping, minimise};
 use crate::solve::{Loss, Observation, refine};
 use nalgebra::{SMatrix, SVector};
@@ -76,9 +76,8 @@ pub fn base_change(
         .filter(|(_, (frame, _))| frame.equations() >= MIN_EQUATIONS)
         .filter_map(|(place, (frame, ptz))| Some(Telling::new(place, frame, (*ptz)?, field)))
         .collect();
-    let stride = telling.len().div_ceil(COARSE);
-    if stride > 1 {
-        let coarse: Vec<Pull> = telling.iter().step_by(stride).map(|frame| frame.pull(&shared)).collect();
+    if telling.len() > COARSE {
+        let coarse: Vec<Pull> = subsample(&telling, COARSE).map(|frame| frame.pull(&shared)).collect();
         // What a part of the frames does not suggest, all of them are not asked.
         split(&coarse).filter(|split| split.evidence > 0.5 * EVIDENCE)?;
     }

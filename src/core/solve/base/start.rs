@@ -6,7 +6,7 @@
 
 use super::{BaseError, CameraClicks, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high, subsample};
 use crate::solve::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, SolveContext, solve_frame};
@@ -50,8 +50,9 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
         return Err(BaseError::NoStart { frames, most_landmarks });
     }
     let rotations = [BaseAngles::default().base_from_world(), least_roll(poses.iter().map(|pose| pose.1))];
-    let sample = spread(frames.iter().filter(|frame| frame.equations() >= 6), SAMPLE);
-    let mut positions = spread(poses.iter().map(|pose| pose.0), MAX_POSITIONS);
+    let enough: Vec<_> = frames.iter().filter(|frame| frame.equations() >= 6).collect();
+    let sample: Vec<_> = subsample(enough, SAMPLE).collect();
+    let mut positions: Vec<Vec3> = subsample(&poses, MAX_POSITIONS).map(|pose| pose.0).collect();
     positions.push(Vec3::from_fn(|axis, _| {
         median_high(&mut poses.iter().map(|pose| pose.0[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
     }));
@@ -115,11 +116,4 @@ fn least_roll(x_axes_in_world: impl Iterator<Item = Vec3>) -> Mat3 {
     let right = Vec3::y().cross(&up).normalize();
     let forward = up.cross(&right);
     Mat3::from_rows(&[right.transpose(), -up.transpose(), forward.transpose()])
-}
-
-/// At most `count` of the items, evenly spread.
-fn spread<T>(items: impl Iterator<Item = T>, count: usize) -> Vec<T> {
-    let all: Vec<T> = items.collect();
-    let step = all.len().div_ceil(count).max(1);
-    all.into_iter().step_by(step).collect()
 }

@@ -1,9 +1,9 @@
 //! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every followed point, from all
-//! sightings and anchors at once.
+//! sightings and pose priors at once.
 
-use super::anchor::{Anchor, AnchorSource, by_focal_px, moved, offset};
+use super::super::pose_prior::{PosePrior, PriorSource, by_focal_px, moved, offset};
+use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
 use super::camera::ClipCamera;
-use super::problem::{Clip, ClipState, Seen};
 use super::smooth::smoothed_offsets;
 use super::{Carried, PointTracks};
 use touchline_core::camera::{PanTilt, Ptz};
@@ -32,15 +32,6 @@ impl Default for AdjustOptions {
     }
 }
 
-/// A frame as the whole clip sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AdjustedFrame {
-    /// Pan, tilt, focal length.
-    pub ptz: Ptz,
-    /// The covariance of (pan rad, tilt rad, focal length px), the base taken as exact.
-    pub covariance: Mat3,
-}
-
 /// A clip after its adjustment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdjustedClip {
@@ -48,19 +39,19 @@ pub struct AdjustedClip {
     pub frames: Vec<Option<AdjustedFrame>>,
     /// 1-σ of a followed point along one axis, as the clip itself tells it, px.
     pub sigma_px: f64,
-    /// By how much the points had to be taken as less exact than that, so that the anchors hold; 1 where the two agree.
+    /// By how much the points had to be taken as less exact than that, so that the priors hold; 1 where the two agree.
     pub widened: f64,
 }
 
 /// Adjusts the frames that were reached.
 ///
-/// None if nothing holds the clip: no anchor, or one that has no covariance.
+/// None if nothing holds the clip: no prior, or one that has no covariance.
 #[must_use]
 pub fn adjust_clip(
     camera: &ClipCamera,
     tracks: &PointTracks,
     carried: &Carried,
-    anchors: &[Anchor],
+    priors: &[PosePrior],
     options: &AdjustOptions,
 ) -> Option<AdjustedClip> {
     let mut row_of = vec![None; tracks.frames];
@@ -73,11 +64,12 @@ pub fn adjust_clip(
         }
     }
     let points = seen(tracks, &carried.moving, &row_of);
-    let anchors: Vec<(usize, Anchor, Mat3)> = anchors
+    let priors: Vec<PosePrior> = priors
         .iter()
-        .filter_map(|anchor| Some((row_of.get(anchor.frame).copied().flatten()?, *anchor, anchor.information()?)))
+        .filter(|prior| prior.is_informative())
+        .filter_map(|prior| Some(PosePrior { frame: row_of.get(prior.frame).copied().flatten()?, ..*prior }))
         .collect();
-    if anchors.is_empty() {
+    if priors.is_empty() {
         return None;
     }
     let mut first: Vec<usize> = (0..start.len()).collect();
@@ -89,17 +81,18 @@ pub fn adjust_clip(
     }
     let px = tracks.image_size.scale_from_1920();
     let alike = options.sightings_alike.sqrt();
-    let mut problem = Clip {
+    let mut problem = PoseProblem {
         bases: frame_of.iter().map(|frame| camera.base_at(*frame).at_origin()).collect(),
         known_focal_px: frame_of.iter().map(|frame| camera.focal_px_at(*frame)).collect(),
         points: &points,
-        anchors,
+        matches: None,
+        priors,
         first: &first,
         sigma_px: vec![options.point_sigma_px * px * alike; start.len()],
         loss: Loss::Cauchy { c: options.loss_sigmas / alike },
     };
     let until = |max_iterations| Stopping { max_iterations, short_step: 1e-9, small_gain: 1e-8 };
-    let state = ClipState { directions: directions(&problem, &start), ptz: start };
+    let state = PoseState { directions: directions(&problem, &start), ptz: start };
     let rough = minimise(&problem, state, until(options.max_iterations));
     let mut off: Vec<f64> = problem.residuals(&rough.state).filter_map(|(_, off)| Some(off?.norm_squared())).collect();
     let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
@@ -113,8 +106,8 @@ pub fn adjust_clip(
     let straight = fine.state.ptz.clone();
     let mut widened = 1.0;
     for _ in 0..WIDENINGS {
-        let points = widening(&problem.anchors, &fine.state, |by| by != AnchorSource::Proposal);
-        let proposals = widening(&problem.anchors, &fine.state, |by| by == AnchorSource::Proposal);
+        let points = widening(&problem.priors, &fine.state, |source| source != PriorSource::Proposal);
+        let proposals = widening(&problem.priors, &fine.state, |source| source == PriorSource::Proposal);
         if points.is_none() && proposals.is_none() {
             break;
         }
@@ -122,10 +115,8 @@ pub fn adjust_clip(
         problem.sigma_px = sigmas_px(widened);
         problem.loss = Loss::Cauchy { c: options.loss_sigmas / (alike * widened) };
         let of_proposals = proposals.unwrap_or(1.0).powi(-2);
-        for (_, anchor, information) in &mut problem.anchors {
-            if anchor.by == AnchorSource::Proposal {
-                *information *= of_proposals;
-            }
+        for prior in problem.priors.iter_mut().filter(|prior| prior.source == PriorSource::Proposal) {
+            prior.information *= of_proposals;
         }
         fine = minimise(&problem, fine.state, until(options.max_iterations));
     }
@@ -141,7 +132,7 @@ pub fn adjust_clip(
 
 /// 1-σ of a followed point along one axis in each row, px, as the row's own points tell it and never less than in the clip: a fast
 /// turn blurs what is followed.
-fn row_sigmas(problem: &Clip<'_>, at: &ClipState, of_clip_px: f64) -> Vec<f64> {
+fn row_sigmas(problem: &PoseProblem<'_>, at: &PoseState, of_clip_px: f64) -> Vec<f64> {
     let mut squares: Vec<Vec<f64>> = vec![Vec::new(); at.ptz.len()];
     // A point's direction is the mean of its sightings and takes its part of their scatter.
     let shares = problem.points.iter().flat_map(|point| {
@@ -160,31 +151,31 @@ fn scatter_px(squares: &mut [f64]) -> f64 {
     (median(squares).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt()
 }
 
-/// The anchors' mean square distance per number, in sigmas², from which on something is taken as less exact than it states.
+/// The priors' mean square distance per number, in sigmas², from which on something is taken as less exact than it states.
 const CONTRADICTED: f64 = 1.5;
 
 /// How often it is.
 const WIDENINGS: usize = 8;
 
-/// By how much something has to be taken as less exact, for anchors of some sources contradict the points; none where they scatter
+/// By how much something has to be taken as less exact, for priors of some sources contradict the points; none where they scatter
 /// as they state.
 ///
 /// A lens or a base that is a little off bends all points alike, which is no scatter; only what people and paint say shows it, and
 /// then that holds against the points. What a forest answers does not: its errors are as large as they happen to be, and points that
 /// gave way to them would jump with each.
-fn widening(anchors: &[(usize, Anchor, Mat3)], at: &ClipState, is_asked: impl Fn(AnchorSource) -> bool) -> Option<f64> {
-    let squares = |(row, anchor, information): &(usize, Anchor, Mat3)| {
-        let offset = anchor.offset(at.ptz[*row]);
-        is_asked(anchor.by).then(|| offset.dot(&(information * offset)) / 3.0)
+fn widening(priors: &[PosePrior], at: &PoseState, is_asked: impl Fn(PriorSource) -> bool) -> Option<f64> {
+    let squares = |prior: &PosePrior| {
+        let offset = prior.offset(at.ptz[prior.frame]);
+        is_asked(prior.source).then(|| offset.dot(&(prior.information * offset)) / 3.0)
     };
-    let mut squares: Vec<f64> = anchors.iter().filter_map(squares).collect();
+    let mut squares: Vec<f64> = priors.iter().filter_map(squares).collect();
     // Of a χ² of three the median is .789 of the mean.
     let contradiction = median(&mut squares).unwrap_or(0.0) / 0.789;
     (contradiction > CONTRADICTED).then(|| contradiction.sqrt().clamp(1.5, 4.0))
 }
 
 /// Cameras as they follow from the points alone (`straight`), brought to where widened points leave them: what a lens or a base is
-/// off by changes as slowly as the camera moves, while points that give way leave a jump at every anchor.
+/// off by changes as slowly as the camera moves, while points that give way leave a jump at every prior.
 fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
     /// So many frames the bend takes to follow a step.
     const FRAMES: f64 = 15.0;
@@ -214,7 +205,7 @@ fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<
 }
 
 /// Where each point lies by the frames that show it.
-fn directions(problem: &Clip<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
+fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
     let cameras = problem.cameras(ptz);
     let of_point = |point: &Seen| {
         let rays = point.sightings.iter().filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
@@ -286,16 +277,17 @@ mod tests {
                 .collect(),
         };
         let points: Vec<Seen> = directions.iter().map(seen_from).collect();
-        let problem = Clip {
+        let problem = PoseProblem {
             bases: vec![base; 6],
             known_focal_px: vec![None; 6],
             points: &points,
-            anchors: Vec::new(),
+            matches: None,
+            priors: Vec::new(),
             first: &[0; 6],
             sigma_px: vec![SHARP_PX; 6],
             loss: Loss::Cauchy { c: 3.0 },
         };
-        let sigmas = row_sigmas(&problem, &ClipState { ptz, directions }, 0.1);
+        let sigmas = row_sigmas(&problem, &PoseState { ptz, directions }, 0.1);
         for (row, sigma) in sigmas.into_iter().enumerate() {
             // The directions are exact here, so that nothing of the scatter went into them.
             let expected = if row == 3 { BLURRED_PX } else { SHARP_PX } / (1.0f64 - 1.0 / 6.0).sqrt();
@@ -330,9 +322,10 @@ mod tests {
         };
         let turn = CLICK_PX / 2000.0;
         let covariance = Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 0.25));
-        let anchors = [0, 1, 3, 5].map(|frame| Anchor { frame, ptz: ptz[frame], covariance, by: AnchorSource::Person });
+        let priors =
+            [0, 1, 3, 5].map(|frame| PosePrior::from_covariance(frame, ptz[frame], &covariance, PriorSource::Person));
         let adjusted =
-            adjust_clip(&ClipCamera::new(base), &tracks, &carried, &anchors, &AdjustOptions::default()).unwrap();
+            adjust_clip(&ClipCamera::new(base), &tracks, &carried, &priors, &AdjustOptions::default()).unwrap();
         let off_px = |frame: usize| {
             let turned = adjusted.frames[frame].unwrap().ptz.pan.turn_from(ptz[frame].pan);
             (turned.degrees().to_radians() * 2000.0).abs()
@@ -345,18 +338,16 @@ mod tests {
     fn points_give_way_to_people_and_paint_and_not_to_proposals() {
         let ptz = Ptz::from_degrees(0.0, -10.0, 2000.0);
         let off = Ptz::from_degrees(20.0 * SIGMA_DEG, -10.0, 2000.0);
-        let at = ClipState { ptz: vec![ptz; 3], directions: Vec::new() };
-        let anchor = |frame: usize, ptz: Ptz, by: AnchorSource| {
-            let anchor = Anchor { frame, ptz, covariance: covariance(), by };
-            (frame, anchor, anchor.information().unwrap())
-        };
-        let of_points = |by: AnchorSource| by != AnchorSource::Proposal;
-        let proposals = [0, 1].map(|frame| anchor(frame, off, AnchorSource::Proposal));
+        let at = PoseState { ptz: vec![ptz; 3], directions: Vec::new() };
+        let prior =
+            |frame: usize, ptz: Ptz, source: PriorSource| PosePrior::from_covariance(frame, ptz, &covariance(), source);
+        let of_points = |by: PriorSource| by != PriorSource::Proposal;
+        let proposals = [0, 1].map(|frame| prior(frame, off, PriorSource::Proposal));
         assert_eq!(widening(&proposals, &at, of_points), None);
         assert!(widening(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
-        let painted = anchor(2, off, AnchorSource::Paint);
+        let painted = prior(2, off, PriorSource::Paint);
         assert!(widening(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0));
-        let agreeing = anchor(2, ptz, AnchorSource::Person);
+        let agreeing = prior(2, ptz, PriorSource::Person);
         assert_eq!(widening(&[proposals[0], agreeing], &at, of_points), None);
     }
 }

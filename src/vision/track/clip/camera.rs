@@ -3,9 +3,6 @@
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::ImagePoint;
 
-/// How exactly a known focal length is kept, as a share of it: a thousandth of a px is 4e-7 of 2400 px, and moves no corner by as much.
-pub(super) const KNOWN_FOCAL_SIGMA: f64 = 1e-6;
-
 /// The camera that takes a clip.
 ///
 /// Position and rotation of its base are those of all frames. Its lens is, too, except in frames of which a lens of their own is

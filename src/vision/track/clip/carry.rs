@@ -4,8 +4,9 @@
 //! tilt and focal length are those that put all directions where the points are. What is not still, such as a player or a
 //! moving board, disagrees and is left out from then on.
 
-use super::anchor::{Anchor, moved};
-use super::camera::{ClipCamera, KNOWN_FOCAL_SIGMA};
+use super::super::pose_prior::{PosePrior, moved};
+use super::super::pose_problem::KNOWN_FOCAL_SIGMA;
+use super::camera::ClipCamera;
 use super::{PointTrack, PointTracks};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeSet;
@@ -51,7 +52,7 @@ pub struct CarryStop {
 pub struct Carried {
     /// Each frame's camera; none for one that was not reached.
     pub ptz: Vec<Option<Ptz>>,
-    /// How far apart the cameras are that were carried from the anchor before and from the one after, px in the mean over the
+    /// How far apart the cameras are that were carried from the known one before and from the one after, px in the mean over the
     /// picture; none where only one side reached the frame.
     pub apart_px: Vec<Option<f64>>,
     /// Where it stopped, in the order of the frames.
@@ -69,9 +70,9 @@ const MOVED_PX: f64 = 1.0;
 /// The scales of the robust loss, one after the other, px at 1920 px width.
 const SCALES_PX: [f64; 4] = [24.0, 6.0, 2.0, 1.0];
 
-/// Carries the anchors' cameras to all frames that can be reached from them, each from the nearest anchor.
+/// Carries the cameras that are known to all frames that can be reached from them, each from the nearest one.
 #[must_use]
-pub fn carry(camera: &ClipCamera, tracks: &PointTracks, anchors: &[Anchor], options: &CarryOptions) -> Carried {
+pub fn carry(camera: &ClipCamera, tracks: &PointTracks, priors: &[PosePrior], options: &CarryOptions) -> Carried {
     let frames = tracks.frames;
     let mut march = March {
         camera,
@@ -82,9 +83,9 @@ pub fn carry(camera: &ClipCamera, tracks: &PointTracks, anchors: &[Anchor], opti
         moving: vec![false; tracks.tracks.len()],
         stops: Vec::new(),
     };
-    let within = anchors.iter().filter(|anchor| anchor.frame < frames);
+    let within = priors.iter().filter(|prior| prior.frame < frames);
     let mut known: Vec<(usize, Ptz)> =
-        within.map(|anchor| (anchor.frame, camera.with_known_focal(anchor.frame, anchor.ptz))).collect();
+        within.map(|prior| (prior.frame, camera.with_known_focal(prior.frame, prior.ptz))).collect();
     known.sort_by_key(|(frame, _)| *frame);
     known.dedup_by_key(|(frame, _)| *frame);
     let mut forth: Vec<Option<(usize, Ptz)>> = vec![None; frames];
@@ -389,7 +390,7 @@ impl Residual<2, 0, 3> for Sighting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::track::{AdjustOptions, AnchorSource, ClipLens, adjust_clip};
+    use crate::track::{AdjustOptions, ClipLens, PriorSource, adjust_clip};
     use touchline_core::camera::{BaseAngles, FocalCurve};
     use touchline_core::geometry::{ImageSize, Mat3};
 
@@ -445,8 +446,7 @@ mod tests {
     /// How far the carried cameras are off at most, degrees of pan; every frame has to be reached.
     fn carry_off_deg(tracks: Vec<PointTrack>, pan_deg: f64) -> f64 {
         let tracks = PointTracks { image_size: SIZE, frames: FRAMES, tracks };
-        let known =
-            Anchor { frame: 0, ptz: pointed(0, pan_deg), covariance: Mat3::identity(), by: AnchorSource::Person };
+        let known = PosePrior::from_covariance(0, pointed(0, pan_deg), &Mat3::identity(), PriorSource::Person);
         let carried = carry(&ClipCamera::new(base()), &tracks, &[known], &CarryOptions::default());
         assert_eq!(carried.stops, [], "every frame is reached");
         let off = |(frame, ptz): (usize, &Option<Ptz>)| {
@@ -499,7 +499,7 @@ mod tests {
         let tracks = PointTracks { image_size: SIZE, frames: FRAMES, tracks: starts.map(seen).collect() };
         let sigma = 1e-6;
         let covariance = Mat3::from_diagonal(&Vec3::new(sigma, sigma, 1.0).map(|sigma| sigma * sigma));
-        let known = Anchor { frame: 0, ptz: truth[0], covariance, by: AnchorSource::Person };
+        let known = PosePrior::from_covariance(0, truth[0], &covariance, PriorSource::Person);
         let carried = carry(&camera, &tracks, &[known], &CarryOptions::default());
         let adjusted = adjust_clip(&camera, &tracks, &carried, &[known], &AdjustOptions::default()).unwrap();
         for (frame, truth) in truth.iter().enumerate() {

@@ -4,7 +4,7 @@
 //! Pan, tilt and the logarithm of the focal length each move at a speed that wanders. How fast it wanders, and how much the frames
 //! scatter about the motion, is what makes the clip most likely.
 
-use super::anchor::{by_log_focal, moved, offset};
+use super::super::pose_prior::{by_log_focal, moved, offset};
 use nalgebra::{Matrix6, Vector6};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Mat3, Vec3};

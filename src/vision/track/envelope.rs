@@ -89,6 +89,7 @@ impl Envelope {
     /// L_ii = chol(A_ii − Σ_{k<i} L_ik L_ikᵀ)
     /// ```
     pub fn cholesky(mut self) -> Option<CholeskyFactor> {
+        let mut least_pivot_share = 1.0_f64;
         let mut diagonal_inverses: Vec<Mat3> = Vec::with_capacity(self.len());
         for i in 0..self.len() {
             let (finished, rest) = self.rows.split_at_mut(i);
@@ -107,10 +108,14 @@ impl Envelope {
                 diagonal -= block * block.transpose();
             }
             let lower = diagonal.cholesky()?.l();
+            for axis in 0..3 {
+                let share = lower[(axis, axis)].powi(2) / row.block(i)[(axis, axis)];
+                least_pivot_share = least_pivot_share.min(share);
+            }
             *row.block_mut(i) = lower;
             diagonal_inverses.push(lower.try_inverse()?);
         }
-        Some(CholeskyFactor { lower: self, diagonal_inverses })
+        Some(CholeskyFactor { lower: self, diagonal_inverses, least_pivot_share })
     }
 }
 
@@ -120,9 +125,16 @@ pub(super) struct CholeskyFactor {
     lower: Envelope,
     /// `L_jj⁻¹` of each row j.
     diagonal_inverses: Vec<Mat3>,
+    least_pivot_share: f64,
 }
 
 impl CholeskyFactor {
+    /// The least `L_kk² / A_kk`: the share of what is known of a parameter that those before it do not take. Nearly 0 where the matrix
+    /// leaves a direction open.
+    pub fn least_pivot_share(&self) -> f64 {
+        self.least_pivot_share
+    }
+
     /// Solves A x = b.
     pub fn solve(&self, b: &[Vec3]) -> Vec<Vec3> {
         let mut x = b.to_vec();

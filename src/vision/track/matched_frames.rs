@@ -1,14 +1,12 @@
-//! Tied frames of a camera whose base is known: what each frame's own picture says of its pan, tilt and focal length, and what the
-//! ties to its neighbours say, in one adjustment.
+//! Matched frames of a camera whose base is known: what each frame's own picture says of its pan, tilt and focal length, and what the
+//! matches with its neighbours say, in one adjustment.
 
 use super::Tie;
-use super::anchor_residual::Hold;
-use super::clip::anchor::by_focal_px;
-use super::tie_problem::{Freedom, LENS, Tied, TiedState};
-use super::tie_residual::View;
+use super::pose_prior::{PosePrior, by_focal_px};
+use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::rotation::{q_pan, q_tilt};
-use touchline_core::geometry::{ImageSize, Mat3};
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
 /// 1-σ of a match, px at 1920 px width: features scatter by one, and crowds, boards and lenses are not quite still.
@@ -20,59 +18,47 @@ const OF_TIE: usize = 6;
 /// Beyond so many sigmas a match hardly counts: at first the neighbours reach for a frame that has strayed.
 const LOSS_SIGMAS: [f64; 3] = [30.0, 8.0, 2.0];
 
-/// A frame as it and its neighbours see it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeldFrame {
-    /// Pan, tilt, focal length.
-    pub ptz: Ptz,
-    /// The covariance of (pan rad, tilt rad, focal length px), the base taken as exact.
-    pub covariance: Mat3,
-}
-
-/// Adjusts frames that hang together by ties to what is known of each; none where that leaves one of them open. `start` has the
+/// Adjusts frames that hang together by matches to what is known of each; none where that leaves one of them open. `start` has the
 /// cameras of all frames, `base` their lens.
 #[must_use]
-pub fn hold_frames(
+pub fn adjust_matched_frames(
     base: &CameraBase,
     start: &[Ptz],
     ties: &[Tie],
-    known: &[Hold],
+    priors: &[PosePrior],
     image_size: ImageSize,
-) -> Option<Vec<HeldFrame>> {
+) -> Option<Vec<AdjustedFrame>> {
     let few: Vec<Tie> = ties
         .iter()
-        .map(|tie| {
-            let every = tie.matches.len().div_ceil(OF_TIE).max(1);
-            Tie { matches: tie.matches.iter().step_by(every).copied().collect(), ..tie.clone() }
-        })
+        .map(|tie| Tie { matches: subsample(&tie.matches, OF_TIE).copied().collect(), ..tie.clone() })
         .collect();
-    let view = |ptz: &Ptz| View {
-        cam_from_common: q_tilt(ptz.tilt) * q_pan(ptz.pan),
-        focal_px: ptz.focal_px,
-        principal_point: base.principal_point,
+    let mut first: Vec<usize> = (0..start.len()).collect();
+    for tie in &few {
+        let (one, other) = (tie.first.min(tie.second), tie.first.max(tie.second));
+        first[other] = first[other].min(one);
+    }
+    let sigma_px = MATCH_SIGMA_PX * image_size.scale_from_1920();
+    let problem = |sigmas| PoseProblem {
+        bases: vec![base.at_origin(); start.len()],
+        points: &[],
+        matches: Some(PairwiseMatches { ties: &few, sigma_px, loss: Loss::Cauchy { c: sigmas } }),
+        priors: priors.to_vec(),
+        known_focal_px: vec![None; start.len()],
+        first: &first,
+        sigma_px: Vec::new(),
+        loss: Loss::Squared,
     };
-    let problem = |sigmas| Tied {
-        ties: &few,
-        freedom: Freedom::PanTilt,
-        loss: Loss::Cauchy { c: sigmas },
-        px: MATCH_SIGMA_PX * image_size.scale_from_1920(),
-        expected: base.distortion,
-        sigma: [1e-6, 1e-9],
-        fixed_scale: false,
-        held: Some(known),
-    };
-    let start = TiedState { views: start.iter().map(view).collect(), lens: base.distortion };
     let until = Stopping { max_iterations: 10, short_step: 1e-7, small_gain: 1e-6 };
-    let [first, later @ ..] = LOSS_SIGMAS;
-    let mut found = minimise(&problem(first), start, until);
+    let [first_sigmas, later @ ..] = LOSS_SIGMAS;
+    let start = PoseState { ptz: start.to_vec(), directions: Vec::new() };
+    let mut found = minimise(&problem(first_sigmas), start, until);
     for sigmas in later {
         found = minimise(&problem(sigmas), found.state, until);
     }
-    let covariance = found.equations.covariance()?;
-    let frames = found.state.ptz().into_iter().enumerate().map(|(frame, ptz)| {
-        let first = LENS + 3 * frame;
-        let of_frame: Mat3 = covariance.fixed_view::<3, 3>(first, first).into_owned();
-        HeldFrame { ptz, covariance: by_focal_px(&of_frame, ptz.focal_px) }
+    let covariances = found.equations.covariances()?;
+    let frames = found.state.ptz.into_iter().zip(covariances).map(|(ptz, covariance)| AdjustedFrame {
+        ptz: Ptz { pan: ptz.pan.wrapped(), ..ptz },
+        covariance: by_focal_px(&covariance, ptz.focal_px),
     });
     Some(frames.collect())
 }
@@ -108,8 +94,9 @@ pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::track::PriorSource;
     use touchline_core::camera::PtzCamera;
-    use touchline_core::geometry::{Angle, ImagePoint, Vec3};
+    use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -138,13 +125,13 @@ mod tests {
         [(0, 1), (1, 2)].map(tie).to_vec()
     }
 
-    fn hold(frame: usize, ptz: Ptz, sigma_deg: f64) -> Hold {
+    fn prior(frame: usize, ptz: Ptz, sigma_deg: f64) -> PosePrior {
         let turn = sigma_deg.to_radians().powi(-2);
-        Hold { frame, ptz, information: Mat3::from_diagonal(&Vec3::new(turn, turn, turn)), loss: Loss::Squared }
+        PosePrior::new(frame, ptz, Mat3::from_diagonal(&Vec3::new(turn, turn, turn)), PriorSource::Person)
     }
 
     #[test]
-    fn a_frame_that_shows_nothing_is_held_by_its_neighbours() {
+    fn a_frame_that_shows_nothing_is_placed_by_its_neighbours() {
         let truth = truth();
         let ties = ties(&truth);
         let known = [Some(truth[0]), None, None];
@@ -153,20 +140,24 @@ mod tests {
         let start = filled(&known, &turned, &ties).unwrap();
         assert!((start[2].pan - truth[2].pan).degrees().abs() < 1e-9);
         let off = Ptz { pan: start[2].pan + Angle::from_degrees(0.5), ..start[2] };
-        let held = hold_frames(&base(), &[start[0], start[1], off], &ties, &[hold(0, truth[0], 0.01)], SIZE).unwrap();
-        for (held, exact) in held.iter().zip(&truth) {
-            assert!((held.ptz.pan - exact.pan).degrees().abs() < 1e-3, "{held:?} for {exact:?}");
-            assert!((held.ptz.focal_px / exact.focal_px - 1.0).abs() < 1e-3, "{held:?} for {exact:?}");
+        let adjusted =
+            adjust_matched_frames(&base(), &[start[0], start[1], off], &ties, &[prior(0, truth[0], 0.01)], SIZE)
+                .unwrap();
+        for (adjusted, exact) in adjusted.iter().zip(&truth) {
+            assert!((adjusted.ptz.pan - exact.pan).degrees().abs() < 1e-3, "{adjusted:?} for {exact:?}");
+            assert!((adjusted.ptz.focal_px / exact.focal_px - 1.0).abs() < 1e-3, "{adjusted:?} for {exact:?}");
         }
         // The farther from what is known, the less certain.
-        assert!(held[2].covariance[(0, 0)] > held[1].covariance[(0, 0)]);
-        assert!(held[1].covariance[(0, 0)] > held[0].covariance[(0, 0)]);
+        assert!(adjusted[2].covariance[(0, 0)] > adjusted[1].covariance[(0, 0)]);
+        assert!(adjusted[1].covariance[(0, 0)] > adjusted[0].covariance[(0, 0)]);
     }
 
     #[test]
-    fn what_nothing_holds_is_refused() {
+    fn what_nothing_determines_is_refused() {
         let truth = truth();
-        assert!(hold_frames(&base(), &truth, &ties(&truth)[..1], &[hold(0, truth[0], 0.01)], SIZE).is_none());
+        assert!(
+            adjust_matched_frames(&base(), &truth, &ties(&truth)[..1], &[prior(0, truth[0], 0.01)], SIZE).is_none()
+        );
         assert!(filled(&[None, None, None], &truth, &[]).is_none());
     }
 }

@@ -1,0 +1,33 @@
+//! Some of too many values, evenly spread: all would take longer and say hardly more.
+
+use std::iter::StepBy;
+
+/// Every how many of `count` values are taken so that they are `most` at most; never 0.
+#[must_use]
+pub const fn stride_of_subsample(count: usize, most: usize) -> usize {
+    let stride = count.div_ceil(most);
+    if stride == 0 { 1 } else { stride }
+}
+
+/// At most `most` of some values, evenly spread, the first one among them.
+pub fn subsample<I>(values: I, most: usize) -> StepBy<I::IntoIter>
+where
+    I: IntoIterator<IntoIter: ExactSizeIterator>,
+{
+    let values = values.into_iter();
+    let stride = stride_of_subsample(values.len(), most);
+    values.step_by(stride)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_values_stay_and_many_become_few() {
+        assert_eq!(subsample([3, 1, 4], 3).collect::<Vec<_>>(), [3, 1, 4]);
+        assert_eq!(subsample(0..10, 4).collect::<Vec<_>>(), [0, 3, 6, 9]);
+        assert_eq!(subsample(&[2.5; 9], 4).count(), 3);
+        assert_eq!(subsample(Vec::<u8>::new(), 5).count(), 0);
+    }
+}

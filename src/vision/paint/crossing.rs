@@ -1,0 +1,225 @@
+//! Where painted lines cross: the least-squares problem over the ridges that were seen of each line.
+//!
+//! The camera predicts each line's direction within a few degrees and its place hardly at all. The unknowns are the landmark's shift from
+//! where the point was placed, and for each line a turn and an offset of its own: paint is not quite straight and not quite where the
+//! rules put it. A ridge's offset across its line is linear in all of them, so that each step ([`gauss_newton_step`]) is exact but for
+//! the pairing: a place may show several ridges, and the one nearest to its line is taken anew at each step.
+//!
+//! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
+
+use super::across::Ridge;
+use super::placed_point::LINE_SIGMA_PX;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector1};
+use touchline_core::field::FieldElement;
+use touchline_core::geometry::Vec2;
+use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
+
+/// 1-σ of a line's direction in the picture, as the camera gives it, rad.
+const DIRECTION_SIGMA: f64 = 0.06;
+
+/// 1-σ of a ridge's offset on its own, px at 1920 px width.
+const RIDGE_SIGMA_PX: f64 = 0.6;
+
+/// Lines that meet at less than this are one, as its sine.
+const LEAST_CROSSING: f64 = 0.15;
+
+/// At most this many lines meet.
+pub(super) const MOST_LINES: usize = 3;
+
+/// Shift of the landmark, then turn and offset of each line.
+const PARAMETERS: usize = 2 + 2 * MOST_LINES;
+
+/// The shift of the landmark, px, then the turn, rad, and the offset, px, of each line.
+pub(super) type CrossingState = SVector<f64, PARAMETERS>;
+
+/// A place on a line where paint is seen.
+pub(super) struct Place {
+    pub normal: Vec2,
+    /// How far along the line the landmark is, px.
+    pub along_px: f64,
+    pub ridges: Vec<Ridge>,
+}
+
+/// What is seen of one line.
+pub(super) struct Course {
+    pub places: Vec<Place>,
+    /// Places with ridges, or with open ground and none.
+    pub open: usize,
+    /// The offset at the landmark that most places agree on, px.
+    pub offset_px: f64,
+    /// The line's normal at the landmark.
+    pub normal: Vec2,
+}
+
+impl Course {
+    /// The ridge at a place that is nearest to an offset.
+    pub fn nearest(place: &Place, offset_px: f64) -> Option<f64> {
+        let offsets = place.ridges.iter().map(|ridge| ridge.offset_px);
+        offsets.min_by(|a, b| (a - offset_px).abs().total_cmp(&(b - offset_px).abs()))
+    }
+}
+
+/// Where lines cross: the shift of the landmark, and how each line is turned and moved against the camera's prediction.
+pub(super) struct CrossingAtScale<'a> {
+    courses: &'a [Course],
+    ridge_sigma_px: f64,
+    line_sigma_px: f64,
+    loss: Loss,
+}
+
+impl<'a> CrossingAtScale<'a> {
+    /// `scale` is the width of the picture by 1920 px; the scale of the loss is in px at 1920 px width.
+    pub fn new(courses: &'a [Course], loss_scale_px: f64, scale: f64) -> Self {
+        Self {
+            courses,
+            ridge_sigma_px: RIDGE_SIGMA_PX * scale,
+            line_sigma_px: LINE_SIGMA_PX * scale,
+            loss: Loss::GemanMcClure { c: loss_scale_px / RIDGE_SIGMA_PX },
+        }
+    }
+}
+
+impl Problem for CrossingAtScale<'_> {
+    type State = CrossingState;
+    type Equations = BlockEquations<0, PARAMETERS>;
+
+    fn equations(&self, state: &CrossingState) -> BlockEquations<0, PARAMETERS> {
+        let mut equations = BlockEquations::zero();
+        for line in 0..MOST_LINES {
+            for (of_line, sigma) in [DIRECTION_SIGMA, self.line_sigma_px].into_iter().enumerate() {
+                equations.add(&LinePrior { parameter: 2 + 2 * line + of_line, sigma }, state, self.loss);
+            }
+        }
+        for (line, course) in self.courses.iter().enumerate() {
+            for place in &course.places {
+                let ridge = NearestRidge { place, line, sigma_px: self.ridge_sigma_px };
+                equations.add(&ridge, state, self.loss);
+            }
+        }
+        equations
+    }
+
+    fn stepped(&self, from: &CrossingState, step: &CrossingState) -> CrossingState {
+        from + step
+    }
+}
+
+/// The turn or the offset of a line, which the camera predicts up to a 1-σ.
+struct LinePrior {
+    parameter: usize,
+    sigma: f64,
+}
+
+impl Residual<1, 0, PARAMETERS> for LinePrior {
+    type State = CrossingState;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    fn value(&self, state: &CrossingState) -> Option<Vector1<f64>> {
+        Some(Vector1::new(state[self.parameter]))
+    }
+
+    fn linearised(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
+        let mut by_own = SMatrix::zeros();
+        by_own[self.parameter] = 1.0;
+        Some(Linearised { value: self.value(state)?, by_shared: SMatrix::zeros(), by_own })
+    }
+
+    /// A robust loss would let the prior go.
+    fn loss(&self, _: Loss) -> Loss {
+        Loss::Squared
+    }
+}
+
+/// The ridge at a place that is nearest to where a state puts the line.
+struct NearestRidge<'a> {
+    place: &'a Place,
+    line: usize,
+    sigma_px: f64,
+}
+
+impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
+    type State = CrossingState;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        self.sigma_px
+    }
+
+    fn value(&self, state: &CrossingState) -> Option<Vector1<f64>> {
+        Some(Vector1::new(-residual_px(self.place, self.line, state)?))
+    }
+
+    fn linearised(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
+        let by_own = offset_by_state(self.place, self.line).transpose();
+        Some(Linearised { value: self.value(state)?, by_shared: SMatrix::zeros(), by_own })
+    }
+}
+
+/// Where the two lines that cross at the widest angle meet.
+pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
+    let pairs =
+        courses.iter().enumerate().flat_map(|(index, one)| courses[..index].iter().map(move |other| (one, other)));
+    let crossing = |one: &Course, other: &Course| one.normal.perp(&other.normal);
+    let (one, other) = pairs.max_by(|a, b| crossing(a.0, a.1).abs().total_cmp(&crossing(b.0, b.1).abs()))?;
+    if crossing(one, other).abs() < LEAST_CROSSING {
+        return None;
+    }
+    let normals = Matrix2::from_rows(&[one.normal.transpose(), other.normal.transpose()]);
+    Some(normals.try_inverse()? * Vec2::new(one.offset_px, other.offset_px))
+}
+
+/// The derivative of a line's offset at a place by the state. The offset is linear in the state.
+fn offset_by_state(place: &Place, line: usize) -> CrossingState {
+    let mut by_state = CrossingState::zeros();
+    by_state.fixed_rows_mut::<2>(0).copy_from(&place.normal);
+    by_state[2 + 2 * line] = place.along_px;
+    by_state[3 + 2 * line] = 1.0;
+    by_state
+}
+
+/// How far the nearest ridge of a place lies from its line, px.
+pub(super) fn residual_px(place: &Place, line: usize, state: &CrossingState) -> Option<f64> {
+    let expected_px = offset_by_state(place, line).dot(state);
+    Course::nearest(place, expected_px).map(|offset_px| offset_px - expected_px)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derivatives::assert_derivatives;
+
+    #[test]
+    fn residuals_change_with_shift_turn_and_offset_as_their_derivatives_say() {
+        let ridges = vec![Ridge { offset_px: 2.5, width_px: 3.0, contrast: 40.0 }];
+        let place = Place { normal: Vec2::new(0.6, 0.8), along_px: -35.0, ridges };
+        let state = CrossingState::from_fn(|parameter, _| 0.1 * (parameter as f64 + 1.0));
+        for line in 0..MOST_LINES {
+            let ridge = NearestRidge { place: &place, line, sigma_px: 0.6 };
+            assert_derivatives(&ridge, |step| state + step, "ridge");
+        }
+        for parameter in 2..PARAMETERS {
+            assert_derivatives(&LinePrior { parameter, sigma: 0.35 }, |step| state + step, "prior");
+        }
+    }
+
+    #[test]
+    fn two_lines_meet_where_their_offsets_say_and_parallel_ones_nowhere() {
+        let course = |normal: Vec2, offset_px: f64| Course { places: Vec::new(), open: 0, offset_px, normal };
+        let upright = course(Vec2::x(), 3.0);
+        let level = course(Vec2::y(), -2.0);
+        let aslant = course(Vec2::new(0.99, 0.1).normalize(), 3.0);
+        let meeting = meeting_point(&[upright, level]).unwrap();
+        assert!((meeting - Vec2::new(3.0, -2.0)).norm() < 1e-12, "{meeting}");
+        assert_eq!(meeting_point(&[course(Vec2::x(), 3.0), aslant]), None);
+    }
+}

@@ -1,0 +1,244 @@
+//! The normal equations of frames that are adjusted together: three numbers a frame, two a point; the points are eliminated (Schur
+//! complement).
+
+use super::envelope::{CholeskyFactor, Envelope};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
+use touchline_core::geometry::{Mat3, Vec2, Vec3};
+use touchline_core::solve::{Equations, Loss, NO_VALUE_SIGMAS};
+
+/// What the sightings of one point say.
+#[derive(Clone, Debug)]
+pub(super) struct PointEquations {
+    /// For each frame that shows it: the frame's row, its own block and gradient, and its block with the point's.
+    frames: Vec<(usize, Mat3, Vec3, Matrix3x2<f64>)>,
+    point: Matrix2<f64>,
+    gradient: Vec2,
+    cost: f64,
+}
+
+impl PointEquations {
+    pub fn with_room(sightings: usize) -> Self {
+        let frames = Vec::with_capacity(sightings);
+        Self { frames, point: Matrix2::zeros(), gradient: Vec2::zeros(), cost: 0.0 }
+    }
+
+    pub fn beyond_the_lens(&mut self, loss: Loss) {
+        self.cost += loss.of(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
+    }
+
+    /// Adds a sighting: how far off it is, and how that changes.
+    pub fn add(
+        &mut self,
+        row: usize,
+        value: Vec2,
+        by_frame: &Matrix2x3<f64>,
+        by_point: &Matrix2<f64>,
+        precision: f64,
+        loss: Loss,
+    ) {
+        let (cost, weight) = loss.of(value.norm_squared() * precision);
+        self.cost += cost;
+        let frame_weighted = by_frame.transpose() * (weight * precision);
+        let point_weighted = by_point.transpose() * (weight * precision);
+        self.frames.push((row, frame_weighted * by_frame, frame_weighted * value, frame_weighted * by_point));
+        self.point += point_weighted * by_point;
+        self.gradient += point_weighted * value;
+    }
+
+    /// The inverse of its own block; none where nothing determines the point.
+    fn inverse(&self, damping: f64) -> Option<Matrix2<f64>> {
+        let mut point = self.point;
+        point[(0, 0)] *= 1.0 + damping;
+        point[(1, 1)] *= 1.0 + damping;
+        point.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()))
+    }
+}
+
+/// The block that two frames have in common.
+#[derive(Clone, Debug)]
+struct PairBlock {
+    /// The frame's row, and that of one before it.
+    row: usize,
+    column: usize,
+    block: Mat3,
+}
+
+/// A residual between two frames, and how it changes with each of them.
+pub(super) struct PairResidual {
+    pub value: Vec3,
+    /// The frames' rows.
+    pub rows: [usize; 2],
+    /// By (pan rad, tilt rad, log of the focal length) of each frame.
+    pub by_frame: [Mat3; 2],
+    pub precision: f64,
+}
+
+/// The equations of all frames and points.
+#[derive(Clone, Debug)]
+pub(super) struct PoseEquations {
+    first: Vec<usize>,
+    /// The frames' blocks and gradients, without the points.
+    frames: Vec<(Mat3, Vec3)>,
+    /// What matches give pairs of frames in common.
+    pairs: Vec<PairBlock>,
+    points: Vec<PointEquations>,
+    cost: f64,
+}
+
+/// A change of all frames and points.
+pub(super) struct PoseStep {
+    /// Pan rad, tilt rad, log of the focal length.
+    pub frames: Vec<Vec3>,
+    /// Along the two directions across the point's.
+    pub directions: Vec<Vec2>,
+}
+
+impl PoseEquations {
+    pub fn new(first: Vec<usize>, points: Vec<PointEquations>) -> Self {
+        let cost = points.iter().map(|point| point.cost).sum();
+        let frames = vec![(Mat3::zeros(), Vec3::zeros()); first.len()];
+        Self { first, frames, pairs: Vec::new(), points, cost }
+    }
+
+    /// Adds a residual that has no value.
+    pub fn add_without_value(&mut self, loss: Loss) {
+        self.cost += loss.of(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
+    }
+
+    /// Adds a residual between two frames.
+    pub fn add_pair(&mut self, residual: &PairResidual, loss: Loss) {
+        let PairResidual { value, rows: [one, other], by_frame: [by_one, by_other], precision } = residual;
+        let (cost, weight) = loss.of(value.norm_squared() * precision);
+        self.cost += cost;
+        for (row, by) in [(one, by_one), (other, by_other)] {
+            let weighted = by.transpose() * (weight * precision);
+            let (block, gradient) = &mut self.frames[*row];
+            *block += weighted * by;
+            *gradient += weighted * value;
+        }
+        let ((row, by_row), (column, by_column)) =
+            if one > other { ((*one, by_one), (*other, by_other)) } else { ((*other, by_other), (*one, by_one)) };
+        let block = by_row.transpose() * (weight * precision) * by_column;
+        match self.pairs.last_mut().filter(|last| (last.row, last.column) == (row, column)) {
+            Some(last) => last.block += block,
+            None => self.pairs.push(PairBlock { row, column, block }),
+        }
+    }
+
+    /// Adds what is known of a frame alone.
+    pub fn add_prior(&mut self, row: usize, offset: &Vec3, information: &Mat3, loss: Loss) {
+        let by_information = information * offset;
+        let (cost, weight) = loss.of(offset.dot(&by_information));
+        self.cost += cost;
+        let (block, gradient) = &mut self.frames[row];
+        *block += information * weight;
+        *gradient += by_information * weight;
+    }
+
+    /// The frames' equations once the points are eliminated: a factor and the gradient.
+    fn reduced(&self, damping: f64) -> Option<(CholeskyFactor, Vec<Vec3>)> {
+        let mut matrix = Envelope::zeros(&self.first);
+        let mut gradient: Vec<Vec3> = self.frames.iter().map(|(_, gradient)| *gradient).collect();
+        for (row, (block, _)) in self.frames.iter().enumerate() {
+            *matrix.block_mut(row, row) += block;
+        }
+        for (row, block, own, _) in self.points.iter().flat_map(|point| &point.frames) {
+            *matrix.block_mut(*row, *row) += block;
+            gradient[*row] += own;
+        }
+        for PairBlock { row, column, block } in &self.pairs {
+            *matrix.block_mut(*row, *column) += block;
+        }
+        for row in 0..matrix.len() {
+            let block = matrix.block_mut(row, row);
+            for at in 0..3 {
+                block[(at, at)] *= 1.0 + damping;
+            }
+        }
+        for point in &self.points {
+            let Some(inverse) = point.inverse(damping) else { continue };
+            for (place, (row, _, _, cross)) in point.frames.iter().enumerate() {
+                let gain = cross * inverse;
+                gradient[*row] -= gain * point.gradient;
+                for (other, _, _, other_cross) in &point.frames[..=place] {
+                    *matrix.block_mut(*row, *other) -= gain * other_cross.transpose();
+                }
+            }
+        }
+        Some((matrix.cholesky()?, gradient))
+    }
+
+    /// The covariance of each frame's (pan rad, tilt rad, log of the focal length); none where something is left open.
+    pub fn covariances(&self) -> Option<Vec<Mat3>> {
+        /// A parameter that is known to no more than this share of what others say of it is open.
+        const OPEN: f64 = 1e-12;
+        let (factor, _) = self.reduced(0.0)?;
+        (factor.least_pivot_share() >= OPEN).then(|| factor.diagonal_blocks_of_inverse())
+    }
+}
+
+impl Equations for PoseEquations {
+    type Step = PoseStep;
+
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn step(&self, damping: f64) -> Option<PoseStep> {
+        let (factor, gradient) = self.reduced(damping)?;
+        let frames: Vec<Vec3> = factor.solve(&gradient).into_iter().map(|step| -step).collect();
+        let direction = |point: &PointEquations| {
+            let Some(inverse) = point.inverse(damping) else { return Vec2::zeros() };
+            let along = point.frames.iter().map(|(row, _, _, cross)| cross.transpose() * frames[*row]);
+            -(inverse * (point.gradient + along.sum::<Vec2>()))
+        };
+        let directions = self.points.iter().map(direction).collect();
+        Some(PoseStep { frames, directions })
+    }
+
+    fn length(step: &PoseStep) -> f64 {
+        step.frames.iter().map(Vec3::norm).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    #[test]
+    fn residuals_between_frames_and_priors_give_the_step_and_the_covariances_of_the_dense_system() {
+        let entry = |row: usize, column: usize, seed: f64| {
+            (1.3 + seed + (1.7 * row as f64 + 0.4).powi(2) + 2.9 * row as f64 * column as f64 + column as f64).sin()
+        };
+        let mut equations = PoseEquations::new(vec![0, 0, 0], Vec::new());
+        let (mut matrix, mut gradient) = (DMatrix::<f64>::zeros(9, 9), DVector::<f64>::zeros(9));
+        for (number, rows) in [[0, 1], [0, 1], [2, 0], [1, 2]].into_iter().enumerate() {
+            let seed = number as f64;
+            let by_one = Mat3::from_fn(|row, column| entry(row, column, seed));
+            let by_frame = [by_one, -by_one];
+            let value = Vec3::new(0.3 - seed, 0.2, 0.1 * seed);
+            equations.add_pair(&PairResidual { value, rows, by_frame, precision: 4.0 }, Loss::Squared);
+            let mut by = DMatrix::<f64>::zeros(3, 9);
+            for (row, by_one) in rows.into_iter().zip(by_frame) {
+                by.view_mut((0, 3 * row), (3, 3)).copy_from(&by_one);
+            }
+            matrix += by.transpose() * &by * 4.0;
+            gradient += by.transpose() * value * 4.0;
+        }
+        assert!(equations.covariances().is_none(), "nothing says where all of them look");
+        let (offset, information) = (Vec3::new(0.1, -0.2, 0.3), Mat3::from_diagonal(&Vec3::new(2.0, 3.0, 4.0)));
+        equations.add_prior(0, &offset, &information, Loss::Squared);
+        let mut own = matrix.view_mut((0, 0), (3, 3));
+        own += information;
+        let mut own = gradient.rows_mut(0, 3);
+        own += information * offset;
+        let expected = -matrix.clone().cholesky().unwrap().solve(&gradient);
+        let covariance = matrix.cholesky().unwrap().inverse();
+        let (step, covariances) = (equations.step(0.0).unwrap(), equations.covariances().unwrap());
+        for (frame, own) in covariances.iter().enumerate() {
+            assert!((step.frames[frame] - expected.rows(3 * frame, 3)).norm() < 1e-9);
+            assert!((own - covariance.view((3 * frame, 3 * frame), (3, 3))).norm() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What is known of a frame's pan, tilt and focal length beside what it shares with other frames.
+
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::{Angle, Mat3, Vec3};
+use touchline_core::solve::Loss;
+
+/// A camera that is known of one frame before frames are adjusted together: from a person's clicks, a forest or the painted lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PosePrior {
+    /// The frame, by its place among those that are adjusted.
+    pub frame: usize,
+    /// Its camera.
+    pub ptz: Ptz,
+    /// The information on (pan rad, tilt rad, log of the focal length), the base taken as exact. It may leave a direction open.
+    pub information: Mat3,
+    /// How a contradiction counts, in multiples of the stated 1-σ.
+    pub loss: Loss,
+    /// Who says so.
+    pub source: PriorSource,
+}
+
+/// Where a pose prior comes from: how far it holds where everything else contradicts it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PriorSource {
+    /// A person's clicks.
+    Person,
+    /// The painted lines of the frame's picture.
+    Paint,
+    /// An answer that is as exact as it states only in the middle: a forest's.
+    Proposal,
+}
+
+impl PriorSource {
+    /// How a contradiction counts: what a person says pulls less beyond 2 σ, but never lets go; paint and forests do.
+    const fn loss(self) -> Loss {
+        match self {
+            Self::Person => Loss::Huber { k: 2.0 },
+            Self::Paint | Self::Proposal => Loss::Cauchy { c: 2.0 },
+        }
+    }
+}
+
+impl PosePrior {
+    /// A prior with the loss of its source.
+    #[must_use]
+    pub const fn new(frame: usize, ptz: Ptz, information: Mat3, source: PriorSource) -> Self {
+        Self { frame, ptz, information, loss: source.loss(), source }
+    }
+
+    /// A prior of which the covariance of (pan rad, tilt rad, focal length px) is known. One that has no inverse says nothing.
+    #[must_use]
+    pub fn from_covariance(frame: usize, ptz: Ptz, covariance: &Mat3, source: PriorSource) -> Self {
+        let inverse = by_log_focal(covariance, ptz.focal_px).try_inverse();
+        let information = inverse.filter(|inverse| inverse.iter().all(|value| value.is_finite()));
+        Self::new(frame, ptz, information.unwrap_or_else(Mat3::zeros), source)
+    }
+
+    /// Whether it says anything.
+    pub(super) fn is_informative(&self) -> bool {
+        self.information != Mat3::zeros()
+    }
+
+    /// How far a camera is from this one, (pan rad, tilt rad, log of the focal length).
+    pub(super) fn offset(&self, ptz: Ptz) -> Vec3 {
+        offset(self.ptz, ptz)
+    }
+
+    /// A camera, or where the way to it leaves what is known by so many sigmas.
+    #[must_use]
+    pub fn towards(&self, ptz: Ptz, sigmas: f64) -> Ptz {
+        if !self.is_informative() {
+            return self.ptz;
+        }
+        let by = self.offset(ptz);
+        let far = by.dot(&(self.information * by)).sqrt();
+        if far <= sigmas { ptz } else { moved(self.ptz, by * (sigmas / far)) }
+    }
+}
+
+/// From one camera to another: pan rad, tilt rad, log of the focal length.
+pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
+    Vec3::new(to.pan.turn_from(from.pan).radians(), (to.tilt - from.tilt).radians(), (to.focal_px / from.focal_px).ln())
+}
+
+/// A camera moved by (pan rad, tilt rad, log of the focal length).
+pub(super) fn moved(ptz: Ptz, by: Vec3) -> Ptz {
+    Ptz {
+        pan: ptz.pan + Angle::from_radians(by.x),
+        tilt: ptz.tilt + Angle::from_radians(by.y),
+        focal_px: ptz.focal_px * by.z.exp(),
+    }
+}
+
+/// A covariance of (pan rad, tilt rad, focal length px) with the logarithm of the focal length instead.
+pub(super) fn by_log_focal(covariance: &Mat3, focal_px: f64) -> Mat3 {
+    let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 1.0 / focal_px));
+    scale * covariance * scale
+}
+
+/// The reverse of [`by_log_focal`].
+pub(super) fn by_focal_px(covariance: &Mat3, focal_px: f64) -> Mat3 {
+    by_log_focal(covariance, 1.0 / focal_px)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn on_the_way_to_another_camera_it_stops_at_its_sigma() {
+        let sigma = 0.1f64.to_radians();
+        let covariance = Mat3::from_diagonal(&Vec3::new(sigma * sigma, sigma * sigma, 25.0));
+        let ptz = Ptz::from_degrees(179.95, -10.0, 2000.0);
+        let prior = PosePrior::from_covariance(0, ptz, &covariance, PriorSource::Person);
+        let near = Ptz::from_degrees(-179.99, -10.0, 2000.0);
+        assert_eq!(prior.towards(near, 1.0), near);
+        let stopped = prior.towards(Ptz::from_degrees(-179.65, -10.0, 2000.0), 1.0);
+        assert!((stopped.pan.turn_from(ptz.pan).degrees() - 0.1).abs() < 1e-9, "{stopped:?}");
+    }
+
+    #[test]
+    fn a_covariance_without_an_inverse_says_nothing() {
+        let ptz = Ptz::from_degrees(3.0, -10.0, 2000.0);
+        let prior = PosePrior::from_covariance(0, ptz, &Mat3::zeros(), PriorSource::Paint);
+        assert!(!prior.is_informative());
+        assert_eq!(prior.towards(Ptz::from_degrees(4.0, -10.0, 2000.0), 1.0), ptz);
+    }
+}
