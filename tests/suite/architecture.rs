@@ -1,11 +1,13 @@
 //! The house stands as each crate's `lib.rs` draws it. Which crate uses which is Cargo's to say; here is what it cannot: the floors
 //! within a crate, no circles, fences, one wgpu.
 
+mod counters;
 mod examples;
 mod growth;
 mod plan;
 mod source_map;
 
+use counters::{Counters, worst};
 use growth::{Source, Static, fields_of, long_enums, unlisted_statics, widely_named};
 use plan::{Fence, Pair, Plan, broken_fences, circles};
 use source_map::SourceMap;
@@ -85,6 +87,14 @@ const MOST_EFFECTS: usize = 16;
 /// Fields of the session.
 const MOST_FIELDS: usize = 20;
 
+/// What the figures of legibility may not exceed: what was reached. Lower them where the sources get better.
+const MOST_CODE_LINES_PER_COMMENT: usize = 60;
+const MOST_CLOSURES_PER_10_000_LINES: usize = 200;
+const MOST_SHORT_FILES: usize = 100;
+const MOST_LONG_LINES: usize = 9000;
+const MOST_PARTICIPLES: usize = 600;
+const MOST_DIALECT: usize = 3000;
+
 /// The workspace's folder.
 fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -157,6 +167,33 @@ fn actions_effects_and_the_session_stay_short() {
         long.push(format!("Session has {fields} fields, not {MOST_FIELDS}"));
     }
     assert_none(&long);
+}
+
+#[test]
+fn the_sources_stay_as_legible_as_they_are() {
+    let all = sources(&CRATES);
+    let library = sources(&["src/core", "src/vision", "src/documents", "src/calibration"]);
+    let [whole, rooms] = [&all, &library].map(|sources| Counters::count(sources));
+    println!("The library: {rooms}.\nThe whole: {whole}.");
+    let mut worse = Vec::new();
+    let mut check = |what: &str, now: usize, most: usize, files: String| {
+        if now > most {
+            worse.push(format!("{now} {what}, not {most}; most are in\n{files}"));
+        }
+    };
+    let comments = rooms.code_lines_per_comment();
+    check("lines of code a comment in the library", comments, MOST_CODE_LINES_PER_COMMENT, String::new());
+    let closures = whole.closures_per_10_000_lines();
+    let of_closures = worst(&all, |counters| counters.named_closures, 5);
+    check("named closures in 10,000 lines", closures, MOST_CLOSURES_PER_10_000_LINES, of_closures);
+    let of_short = worst(&all, |counters| counters.short_files, 5);
+    check("short files", whole.short_files, MOST_SHORT_FILES, of_short);
+    let of_long = worst(&all, |counters| counters.long_lines, 5);
+    check("long lines", whole.long_lines, MOST_LONG_LINES, of_long);
+    let of_participles = worst(&all, |counters| counters.participles, 5);
+    check("functions that begin with a participle", whole.participles, MOST_PARTICIPLES, of_participles);
+    check("words of dialect", whole.dialect, MOST_DIALECT, worst(&all, |counters| counters.dialect, 5));
+    assert_none(&worse);
 }
 
 #[test]

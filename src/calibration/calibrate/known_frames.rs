@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel, Template};
-use touchline_core::geometry::PixelBox;
+use touchline_core::geometry::{PixelBox, subsample};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
@@ -230,8 +230,7 @@ impl Seen {
     ) -> Result<Self, BaseOnPaintError> {
         let field = cameras.field(problem);
         let solved: Vec<usize> = (0..problem.frames.len()).filter(|place| cameras.ptz[*place].is_some()).collect();
-        let every = solved.len().div_ceil(MOST_FRAMES).max(1);
-        let looked_at: Vec<usize> = solved.into_iter().step_by(every).collect();
+        let looked_at: Vec<usize> = subsample(solved, MOST_FRAMES).collect();
         let mut seen = Self {
             painted: problem.clicks.clone(),
             ptz: cameras.ptz.clone(),

@@ -1,0 +1,182 @@
+//! How legible the sources are, in figures that may only get better: comments among code, closures where functions could be,
+//! crumbs of files, long lines, and words that a newcomer from computer vision does not know.
+
+use super::growth::Source;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The counts of some sources. Tests within them are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    pub files: usize,
+    pub code_lines: usize,
+    /// Comments within code; documentation of items is counted apart.
+    pub comment_lines: usize,
+    /// Local closures that have a name.
+    pub named_closures: usize,
+    /// Files of fewer than [`SHORT_FILE`] lines.
+    pub short_files: usize,
+    /// Lines of more than [`LONG_LINE`] characters.
+    pub long_lines: usize,
+    /// Functions whose name begins with a participle: `judged`, `found_near`.
+    pub participles: usize,
+    /// Words of the dialect that the glossary replaces, in names and comments.
+    pub dialect: usize,
+}
+
+/// Lines of a file below which it had better join its only user.
+pub const SHORT_FILE: usize = 40;
+/// Characters of a line that is read without moving the eyes.
+pub const LONG_LINE: usize = 100;
+
+/// Words that the glossary replaces. `hold`, `place`, `row` and `spot` are left out: they are plain English too.
+const DIALECT: [&str; 24] = [
+    "rig", "rigs", "tie", "ties", "tied", "turns", "traces", "strokes", "sight", "sighting", "rival", "rivals",
+    "abstained", "told", "asked", "carried", "widened", "bent", "judged", "snapped", "thinned", "offer", "nobody",
+    "somebody",
+];
+
+/// Participles that do not end in `ed`.
+const IRREGULAR: [&str; 14] = [
+    "found", "seen", "held", "taken", "shown", "drawn", "made", "kept", "left", "told", "written", "said", "known",
+    "given",
+];
+
+/// Words in `ed` that are none.
+const NO_PARTICIPLES: [&str; 6] = ["need", "feed", "seed", "embed", "shed", "speed"];
+
+impl Counters {
+    pub fn count(sources: &[Source]) -> Self {
+        let mut counters = Self { files: sources.len(), ..Self::default() };
+        for (_, text) in sources {
+            counters.add_file(text);
+        }
+        counters
+    }
+
+    fn add_file(&mut self, text: &str) {
+        let production = text.split("\n#[cfg(test)]\nmod ").next().unwrap_or_default();
+        self.short_files += usize::from(production.lines().count() < SHORT_FILE);
+        for line in production.lines() {
+            self.add_line(line);
+        }
+    }
+
+    fn add_line(&mut self, line: &str) {
+        let line_length = line.chars().count();
+        let trimmed = line.trim_start();
+        self.long_lines += usize::from(line_length > LONG_LINE);
+        self.dialect += words(line).filter(|word| DIALECT.contains(&word.as_str())).count();
+        if trimmed.starts_with("///") || trimmed.starts_with("//!") || trimmed.is_empty() {
+            return;
+        }
+        if trimmed.starts_with("//") {
+            self.comment_lines += 1;
+            return;
+        }
+        self.code_lines += 1;
+        self.comment_lines += usize::from(trimmed.contains(" // "));
+        self.named_closures += usize::from(names_a_closure(trimmed));
+        self.participles += usize::from(function_name(trimmed).is_some_and(begins_with_participle));
+    }
+
+    /// Lines of code for one comment within it.
+    pub const fn code_lines_per_comment(&self) -> usize {
+        self.code_lines.div_ceil(if self.comment_lines == 0 { 1 } else { self.comment_lines })
+    }
+
+    /// Named closures among ten thousand lines of code.
+    pub const fn closures_per_10_000_lines(&self) -> usize {
+        self.named_closures * 10_000 / if self.code_lines == 0 { 1 } else { self.code_lines }
+    }
+}
+
+impl fmt::Display for Counters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} files, {} lines of code, {} a comment, {} closures in 10,000 lines, {} files under {SHORT_FILE} lines, \
+             {} lines over {LONG_LINE} characters, {} functions that begin with a participle, {} words of dialect",
+            self.files,
+            self.code_lines,
+            self.code_lines_per_comment(),
+            self.closures_per_10_000_lines(),
+            self.short_files,
+            self.long_lines,
+            self.participles,
+            self.dialect,
+        )
+    }
+}
+
+/// Whether a line is `let name = |…|`.
+fn names_a_closure(line: &str) -> bool {
+    let Some((_, value)) = line.strip_prefix("let ").and_then(|rest| rest.split_once(" = ")) else { return false };
+    let value = value.trim_start_matches("move ").trim_start_matches("&mut ").trim_start_matches('&');
+    value.starts_with('|')
+}
+
+/// The name of the function that a line begins.
+fn function_name(line: &str) -> Option<&str> {
+    let (before, after) = line.split_once("fn ")?;
+    let is_declared = before.split_whitespace().all(|word| word.starts_with("pub") || word.starts_with("in ")
+        || ["const", "async", "unsafe", "crate::app)"].contains(&word));
+    let end = after.find(|letter: char| !letter.is_alphanumeric() && letter != '_').unwrap_or(after.len());
+    Some(&after[..end]).filter(|name| is_declared && !name.is_empty())
+}
+
+fn begins_with_participle(name: &str) -> bool {
+    let first = name.split('_').next().unwrap_or_default();
+    let is_regular = first.len() > 3 && first.ends_with("ed") && !NO_PARTICIPLES.contains(&first);
+    is_regular || IRREGULAR.contains(&first)
+}
+
+/// The words of a line, in small letters: a name of several words is several.
+fn words(line: &str) -> impl Iterator<Item = String> {
+    let mut separated = String::with_capacity(line.len() + 16);
+    let mut was_small = false;
+    for letter in line.chars() {
+        if was_small && letter.is_uppercase() {
+            separated.push(' ');
+        }
+        was_small = letter.is_lowercase();
+        separated.extend(letter.to_lowercase());
+    }
+    let words: Vec<String> =
+        separated.split(|letter: char| !letter.is_alphabetic()).map(str::to_owned).collect();
+    words.into_iter().filter(|word| !word.is_empty())
+}
+
+/// The files that hold most of what is counted by `count`, the worst first.
+pub fn worst(sources: &[Source], count: impl Fn(&Counters) -> usize, most: usize) -> String {
+    let counted = sources.iter().map(|source| {
+        (count(&Counters::count(std::slice::from_ref(source))), source.0.display().to_string())
+    });
+    let by_count: BTreeMap<(usize, String), ()> = counted.map(|key| (key, ())).collect();
+    let lines = by_count.keys().rev().take(most).map(|(count, file)| format!("{count} {file}"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_counter_counts_what_it_says() {
+        let text = "//! A room.\n\nfn judged() {\n    // Why.\n    let near = |x: f64| x < 1.0;\n    let far = 3; // so\n}\n\
+                    \npub(crate) const fn seed_of(rig: TiedFrames) {}\n\n#[cfg(test)]\nmod tests {\n    fn found() {}\n}\n";
+        let counters = Counters::count(&[("a.rs".into(), text.to_owned())]);
+        let expected = Counters {
+            files: 1,
+            code_lines: 5,
+            comment_lines: 2,
+            named_closures: 1,
+            short_files: 1,
+            long_lines: 0,
+            participles: 1,
+            // judged, rig, tied.
+            dialect: 3,
+        };
+        assert_eq!(counters, expected);
+    }
+}
